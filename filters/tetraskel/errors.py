@@ -1,0 +1,21 @@
+"""The exceptions a caller can meet, each a sentence: what was expected, what came, what to do."""
+
+
+class TetraskelError(Exception):
+    """Base of everything this package raises on purpose."""
+
+
+class InputError(TetraskelError, ValueError):
+    """Points, options or files that cannot be used as they are."""
+
+
+class MeshError(InputError):
+    """A mesh whose cells do not form a triangulation this package can walk."""
+
+
+class EngineError(TetraskelError, RuntimeError):
+    """A triangulation engine that is missing or failed."""
+
+
+class Aborted(TetraskelError):
+    """The user asked to stop; nothing was produced."""

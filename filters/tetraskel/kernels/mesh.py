@@ -1,0 +1,64 @@
+"""The triangulation every stage works on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.kernels.plane import plane_coordinates
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Triangulation:
+    """Simplices over points, with their neighbours.
+
+    Attributes
+    ----------
+    points : (n, e) float
+        Coordinates in the input's length unit; e = 2 or 3.
+    simplices : (m, d+1) int
+        Point ids of each triangle (d = 2) or tetrahedron (d = 3). Triangles may live in 3D (e = 3) when all
+        points lie in one plane.
+    neighbors : (m, d+1) int
+        Simplex across the facet opposite each vertex, -1 outside the mesh.
+    original_ids : (n,) int
+        Input id of each point (of the first of several equal ones).
+    point_map : (n_input,) int
+        For every input point the id of the point that stands for it.
+    engine : str
+        What made the triangulation.
+    """
+
+    points: Floats
+    simplices: Ints
+    neighbors: Ints
+    original_ids: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    point_map: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    engine: str = "given"
+
+    @property
+    def dim(self) -> int:
+        """Dimension d of the simplices."""
+        return int(self.simplices.shape[1]) - 1
+
+    @property
+    def n_merged(self) -> int:
+        """How many input points another one stands for."""
+        return max(len(self.point_map) - len(self.points), 0)
+
+    @cached_property
+    def coordinates(self) -> Floats:
+        """(n, d) coordinates in which the mesh is full-dimensional: the points, or their plane coordinates."""
+        if self.dim == self.points.shape[1]:
+            return self.points
+        return plane_coordinates(self.points)
+
+    def __len__(self) -> int:
+        return len(self.simplices)

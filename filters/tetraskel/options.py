@@ -1,0 +1,113 @@
+"""Every parameter of every filter: name, default, unit, bounds and meaning, in one place.
+
+A frozen dataclass per filter. The kernels take their keyword defaults from it, and the VTK setters, the
+ParaView panel and the command-line options are generated from it, so the faces cannot disagree.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from tetraskel.errors import InputError
+
+
+def option(
+    default: Any,
+    doc: str,
+    *,
+    unit: str = "",
+    bounds: tuple[float, float] | None = None,
+    choices: tuple[str, ...] = (),
+    advanced: bool = False,
+) -> Any:
+    """A dataclass field that carries what the faces need to show it."""
+    metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "advanced": advanced}
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Base of the parameter sets; checks every value against its declaration."""
+
+    def __post_init__(self) -> None:
+        for declared in fields(self):
+            check_value(declared.name, getattr(self, declared.name), declared.metadata, declared.default)
+
+
+def check_value(name: str, value: Any, metadata: Any, default: Any) -> None:
+    """Raise `InputError` when `value` is not one the option `name` can take."""
+    choices, bounds = metadata["choices"], metadata["bounds"]
+    if choices and value not in choices:
+        raise InputError(f"{name} must be one of {', '.join(choices)}; got {value!r}.")
+    if bounds is None:
+        return
+    if not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise InputError(f"{name} must be a finite number; got {value!r}.")
+    if not bounds[0] <= value <= bounds[1]:
+        raise InputError(f"{name} must lie between {bounds[0]:g} and {bounds[1]:g}; got {value:g}.")
+    if isinstance(default, int) and not isinstance(default, bool) and value != int(value):
+        raise InputError(f"{name} must be a whole number; got {value!r}.")
+
+
+ENGINES = ("auto", "qhull", "vtk")
+TRAVERSALS = ("breadth", "depth")
+CENTRES = ("barycentre", "incentre", "circumcentre")
+
+
+@dataclass(frozen=True)
+class DelaunayOptions(Options):
+    """Parameters of the Delaunay triangulation."""
+
+    engine: str = option(
+        "auto",
+        "Who computes the triangulation: qhull (SciPy; uses every point, the hull is the convex hull), vtk "
+        "(vtkDelaunay3D/2D, for a ParaView without SciPy; the hull may miss slivers), or auto (qhull where "
+        "SciPy can be imported, else vtk).",
+        choices=ENGINES,
+    )
+    joggle: float = option(
+        0.0,
+        "Largest displacement given to each point before triangulating, to make cospherical points generic "
+        "as the paper does. 0 switches it off; 1e-6 is a good value. The output keeps the original coordinates.",
+        unit="fraction of the bounding-box diagonal",
+        bounds=(0.0, 0.01),
+    )
+
+
+@dataclass(frozen=True)
+class TreeOptions(Options):
+    """Parameters of the walk over the simplices."""
+
+    traversal: str = option(
+        "breadth",
+        "Order of the walk: breadth (a first-in-first-out queue, smallest depths) or depth (follow the first son to "
+        "its end).",
+        choices=TRAVERSALS,
+    )
+    centre: str = option(
+        "barycentre",
+        "Where a node is drawn in its simplex: barycentre (the paper's iso-centre), incentre, or circumcentre "
+        "(may lie outside the simplex).",
+        choices=CENTRES,
+    )
+
+
+@dataclass(frozen=True)
+class FlatOptions(Options):
+    """Parameters of the removal of flat simplices."""
+
+    threshold: float = option(
+        0.01,
+        "Simplices whose quality 1/Qk is below this are flat and removed. 1 is the regular simplex, 0 a flat one.",
+        unit="quality 1/Qk",
+        bounds=(0.0, 1.0),
+    )
+
+
+@dataclass(frozen=True)
+class SkeletonOptions(Options):
+    """Parameters of the skeleton drawn from a tree."""
+
+    keep_leaves: bool = option(False, "Draw the nodes without sons too. The paper's skeleton is the tree without them.")
