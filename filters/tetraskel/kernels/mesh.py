@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,3 +62,11 @@ class Triangulation:
 
     def __len__(self) -> int:
         return len(self.simplices)
+
+
+def submesh(mesh: Triangulation, keep: Bools) -> Triangulation:
+    """The simplices marked in `keep` (m,), neighbours renumbered, points unchanged."""
+    number = np.full(len(mesh) + 1, -1, np.int32)  # the last one stands for neighbour -1
+    kept = np.flatnonzero(keep)
+    number[kept] = np.arange(len(kept), dtype=np.int32)
+    return replace(mesh, simplices=mesh.simplices[kept], neighbors=number[mesh.neighbors[kept]])
