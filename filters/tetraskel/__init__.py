@@ -2,7 +2,11 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.binary import BinaryTree, binarize
+from tetraskel.kernels.decode import decode_tree
+from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
 
@@ -10,13 +14,19 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Aborted",
+    "BinaryTree",
     "EngineError",
     "InputError",
     "MeshError",
     "TetraskelError",
     "Tree",
+    "TreeSkeleton",
     "Triangulation",
+    "assemble_skeleton",
+    "binarize",
     "build_tree",
+    "decode_tree",
+    "remove_flat",
     "triangulate",
     "triangulation_of",
 ]
