@@ -9,6 +9,7 @@ from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
+from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"
 
@@ -27,6 +28,7 @@ __all__ = [
     "build_tree",
     "decode_tree",
     "remove_flat",
+    "tree_skeleton",
     "triangulate",
     "triangulation_of",
 ]

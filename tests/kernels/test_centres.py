@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from tetraskel import InputError, triangulate, triangulation_of
 from tetraskel.kernels.centres import centres, circumballs
 
@@ -33,13 +32,13 @@ def test_circumcentres_are_equally_far_from_all_vertices(dim):
 def test_incentres_are_equally_far_from_all_facets(dim):
     mesh = triangulate(np.random.default_rng(1).random((40, dim)))
     centre = centres(mesh, "incentre")
+    distances = []
     for k in range(dim + 1):
         facet = mesh.points[np.delete(mesh.simplices, k, axis=1)]
         edges = facet[:, 1:] - facet[:, :1]
         normal = np.stack([edges[:, 0, 1], -edges[:, 0, 0]], 1) if dim == 2 else np.cross(edges[:, 0], edges[:, 1])
-        distance = np.abs(((centre - facet[:, 0]) * normal).sum(1)) / np.linalg.norm(normal, axis=1)
-        first = distance if k == 0 else first
-        assert np.allclose(distance, first, rtol=1e-8)
+        distances.append(np.abs(((centre - facet[:, 0]) * normal).sum(1)) / np.linalg.norm(normal, axis=1))
+    assert np.allclose(distances, distances[0], rtol=1e-8)
 
 
 def test_which_simplices_hold_their_circumcentre():

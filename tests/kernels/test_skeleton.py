@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
-
 from tetraskel import assemble_skeleton, build_tree, triangulate, triangulation_of
 from tetraskel.kernels.forest import complete_forest
 from tetraskel.kernels.skeleton import skeleton_of
@@ -47,7 +48,7 @@ def test_a_single_node_is_a_skeleton():
 def test_every_line_of_the_tree_is_in_one_branch(dim):
     tree = build_tree(triangulate(np.random.default_rng(0).random((300, dim))))
     skeleton = assemble_skeleton(tree, keep_leaves=True)
-    pairs = {(a, b) for branch in branches(skeleton) for a, b in zip(branch[:-1], branch[1:], strict=True)}
+    pairs = {(a, b) for branch in branches(skeleton) for a, b in itertools.pairwise(branch)}
     assert pairs == {(tree.parent[n], n) for n in range(len(tree)) if tree.parent[n] >= 0}
     assert sum(len(branch) - 1 for branch in branches(skeleton)) == len(pairs)
     assert np.allclose(skeleton.points, tree.mesh.points[tree.mesh.simplices[tree.cell]].mean(axis=1))

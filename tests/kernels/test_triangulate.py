@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
-
 from tetraskel import EngineError, InputError, MeshError, triangulate, triangulation_of
 from tetraskel.kernels import triangulate as module
 from tetraskel.kernels.quality import volumes
@@ -171,7 +170,7 @@ def test_unusable_points_are_refused(points, message):
 def test_options_are_checked():
     with pytest.raises(InputError, match="engine must be one of"):
         triangulate([[0, 0], [1, 0], [0, 1]], engine="cgal")
-    with pytest.raises(InputError, match="joggle must lie between 0 and 0.01; got 1"):
+    with pytest.raises(InputError, match=r"joggle must lie between 0 and 0\.01; got 1"):
         triangulate([[0, 0], [1, 0], [0, 1]], joggle=1)
 
 

@@ -51,6 +51,15 @@ class TreeSkeleton:
     branch_nodes: Ints
     branch_id: Ints
 
+    @property
+    def branch_lengths(self) -> Floats:
+        """(b,) length of each branch, in the length unit."""
+        path = self.points[self.branch_nodes]
+        steps = np.sqrt(((path[1:] - path[:-1]) ** 2).sum(axis=1))
+        steps = np.append(steps, 0.0)
+        steps[self.branch_offsets[1:] - 1] = 0.0  # from the end of one branch to the beginning of the next
+        return np.add.reduceat(steps, self.branch_offsets[:-1]) if len(self.branch_nodes) else np.empty(0)
+
 
 def assemble_skeleton(
     tree: Tree, *, centre: str = TreeOptions.centre, keep_leaves: bool = SkeletonOptions.keep_leaves

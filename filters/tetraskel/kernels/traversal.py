@@ -62,7 +62,7 @@ def walk_breadth_first(
     while len(front):
         start = level_ends[-1]
         here = rows[front].view(np.int32).reshape(-1, width)
-        keys = codes[front] * np.uint16(width) + entry[start:stop]
+        keys = codes[front].astype(np.intp) * width + entry[start:stop]
         opposite = np.take(crossings, keys, axis=0)
         opposite += np.arange(0, here.size, width)[:, None]
         ahead = here.ravel()[opposite.ravel()].astype(np.intp)
