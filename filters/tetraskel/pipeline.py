@@ -42,9 +42,6 @@ def tree_skeleton(
     >>> tree_skeleton(cloud).points.shape[1]
     3
     """
-    if isinstance(points, Triangulation):
-        mesh = points
-    else:
-        mesh = triangulate(points, engine=engine, joggle=joggle, tick=tick)
+    mesh = points if isinstance(points, Triangulation) else triangulate(points, engine=engine, joggle=joggle, tick=tick)
     tree = remove_flat(build_tree(mesh, traversal=traversal, tick=tick), threshold=threshold, tick=tick)
     return assemble_skeleton(tree, centre=centre, keep_leaves=keep_leaves)

@@ -17,9 +17,19 @@ def program(name):
     """Path of a program; without it the test is skipped, or fails where ParaView is required."""
     found = shutil.which(name)
     if found is None:
-        reason = f"{name} is not installed (Debian: apt-get install paraview python3-paraview xvfb)"
-        pytest.fail(reason) if REQUIRED else pytest.skip(reason)
+        skip_or_fail(f"{name} is not installed (Debian: apt-get install paraview python3-paraview xvfb)")
     return found
+
+
+def skip_or_fail(reason):
+    """Skip what cannot be run here, except where ParaView is required."""
+    pytest.fail(reason) if REQUIRED else pytest.skip(reason)
+
+
+@pytest.fixture
+def missing():
+    """What to call when something is not installed."""
+    return skip_or_fail
 
 
 def environment(**more):
