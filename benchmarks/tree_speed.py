@@ -43,7 +43,9 @@ def row(n):
 
 
 def main(sizes):
-    print("| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | million tetrahedra/s | peak MB, Qhull | with tree |")
+    print(
+        "| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | million tetrahedra/s | peak MB, Qhull | with tree |"
+    )
     print("|---|---|---|---|---|---|---|---|")
     for n in sizes:
         print(row(n), flush=True)

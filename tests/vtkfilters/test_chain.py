@@ -31,6 +31,7 @@ from vtkmodules.vtkCommonDataModel import (
     vtkUnstructuredGrid,
 )
 from vtkmodules.vtkFiltersCore import vtkDelaunay3D
+from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
 CLOUDS = {
     "3D": np.random.default_rng(0).random((300, 3)),
@@ -322,3 +323,17 @@ def test_a_missing_engine_reaches_the_caller(monkeypatch):
     monkeypatch.setitem(module.ENGINE_MODULES, "qhull", ("tetraskel.kernels.qhull", "no_such_package"))
     with pytest.raises(EngineError, match="needs the package no_such_package"):
         chain(polydata(CLOUDS["3D"]), DelaunayMesh(engine="qhull"))
+
+
+def test_quality_is_the_reciprocal_of_vtks_measures():
+    """Of Aspect Gamma in 3D and of Aspect Frobenius in 2D."""
+    for name, measure in (
+        ("3D", "SetTetQualityMeasureToAspectGamma"),
+        ("plane", "SetTriangleQualityMeasureToAspectFrobenius"),
+    ):
+        judge = vtkMeshQuality()
+        getattr(judge, measure)()
+        judge.SetInputData(chain(polydata(CLOUDS[name]), DelaunayMesh()))
+        judge.Update()
+        theirs = array_of(judge.GetOutput().GetCellData(), "Quality")
+        assert 1 / qualities(triangulate(CLOUDS[name])) == pytest.approx(theirs, rel=1e-6)

@@ -35,8 +35,8 @@ def volumes(mesh: Triangulation) -> Floats:
 def qualities(mesh: Triangulation, tick: Tick = silent) -> Floats:
     """(m,) quality 1/Qk of each simplex: 1 for the regular one, 0 for a flat one; no unit.
 
-    Qk = beta h**d / V, h the root of the sum of the squared edge lengths, V the volume. VTK's nearest measure
-    is the mean ratio's relative `vtkMeshQuality` "Mean Ratio"; ParaView's Cell Quality shows it.
+    Qk = beta h**d / V, h the root of the sum of the squared edge lengths, V the volume. VTK's `vtkMeshQuality` and
+    ParaView's Cell Quality call Qk "Aspect Gamma" for tetrahedra and "Aspect Frobenius" for triangles.
     """
     found = np.empty(len(mesh))
     axes, dim = list(mesh.coordinates.T), mesh.dim
