@@ -44,7 +44,7 @@ def row(n):
 
 def main(sizes):
     print(
-        "| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | million tetrahedra/s | peak MB, Qhull | with tree |"
+        "| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | million tetrahedra/s | peak MB | with tree |"
     )
     print("|---|---|---|---|---|---|---|---|")
     for n in sizes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ def table(name):
 def run(source, *filters):
     """The output of filters chained behind a source."""
     filters[0].SetInputDataObject(0, source)
-    for before, after in zip(filters[:-1], filters[1:], strict=True):
+    for before, after in itertools.pairwise(filters):
         after.SetInputConnection(0, before.GetOutputPort())
     return pyvista.wrap(filters[-1].run())
 

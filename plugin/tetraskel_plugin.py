@@ -25,6 +25,7 @@ def _load_package():
 tetraskel = _load_package()
 
 from paraview.util.vtkAlgorithm import smhint, smproperty, smproxy  # noqa: E402
+
 from tetraskel import vtkfilters  # noqa: E402
 from tetraskel.vtkfilters.paraview_xml import MENU, label, panel_xml  # noqa: E402
 

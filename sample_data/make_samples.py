@@ -14,13 +14,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from answers import Floats, Sample, write_answers
-from small_clouds import box8, cloud20, polygon, rectangle8
-from tubes import bent_tube, torus, tree_of_tubes, y_tube
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+from answers import Floats, Sample, write_answers
+from small_clouds import box8, cloud20, polygon, rectangle8
+from tubes import bent_tube, torus, tree_of_tubes, y_tube
 
 SAMPLES: dict[str, Callable[[], Sample]] = {
     "rectangle8.csv": rectangle8,

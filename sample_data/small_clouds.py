@@ -6,6 +6,7 @@ from itertools import combinations, pairwise
 from math import factorial
 
 import numpy as np
+
 from answers import Answers, Floats, Ints, Sample, listed, rounded
 
 UNITS_PER_LENGTH = 1000  # coordinates of the small clouds have three decimals: exact as integers

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from answers import Answers, Floats, Ints, Sample, listed, rounded
 from numpy.typing import ArrayLike
+
+from answers import Answers, Floats, Ints, Sample, listed, rounded
 
 ON_SURFACE = 1e-9  # a sample this much of a radius below another tube's surface still counts as on it
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+
 from paths import ENVIRONMENT, ROOT
 
 PACKAGE = ROOT / "filters" / "tetraskel"

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 import pyvista
+
 from paths import SAMPLES
 from tetraskel import build_tree, remove_flat, triangulate
 from tetraskel.kernels.quality import qualities, volumes

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 import pyvista
+
 from paths import ENVIRONMENT, PLUGIN, SAMPLES, SHIM
 from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
 from tetraskel.cli import main

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from tetraskel import InputError, triangulate, triangulation_of
 from tetraskel.kernels.centres import centres, circumballs
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from tetraskel import InputError, binarize, build_tree, decode_tree, remove_flat, triangulate, triangulation_of
 
 CLOUDS = {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from reference import contracted
 from tetraskel import InputError, build_tree, remove_flat, triangulate, triangulation_of
 from tetraskel.kernels.flat import contract, remove_flat_cells

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+
 from tetraskel import assemble_skeleton, build_tree, triangulate, triangulation_of
 from tetraskel.kernels.forest import complete_forest
 from tetraskel.kernels.skeleton import skeleton_of

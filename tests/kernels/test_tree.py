@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from reference import Reference
 from tetraskel import InputError, Triangulation, build_tree, triangulate, triangulation_of
 

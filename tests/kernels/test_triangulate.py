@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
+
 from tetraskel import EngineError, InputError, MeshError, triangulate, triangulation_of
 from tetraskel.kernels import triangulate as module
 from tetraskel.kernels.quality import volumes

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 
 import pytest
+
 from paths import PLUGIN, ROOT, SHIM
 
 REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"

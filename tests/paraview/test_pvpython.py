@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from paths import PLUGIN, ROOT, SAMPLES
 from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
 from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions

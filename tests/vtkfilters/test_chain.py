@@ -6,6 +6,18 @@ import itertools
 
 import numpy as np
 import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringArray, vtkStringOutputWindow
+from vtkmodules.vtkCommonDataModel import (
+    VTK_HEXAHEDRON,
+    VTK_TETRA,
+    vtkMultiBlockDataSet,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
+from vtkmodules.vtkFiltersCore import vtkDelaunay3D
+from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
+
 from tetraskel import (
     Aborted,
     EngineError,
@@ -21,17 +33,6 @@ from tetraskel.kernels.decode import decode_simplices
 from tetraskel.kernels.quality import qualities
 from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_cells, to_points
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringArray, vtkStringOutputWindow
-from vtkmodules.vtkCommonDataModel import (
-    VTK_HEXAHEDRON,
-    VTK_TETRA,
-    vtkMultiBlockDataSet,
-    vtkPolyData,
-    vtkUnstructuredGrid,
-)
-from vtkmodules.vtkFiltersCore import vtkDelaunay3D
-from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
 CLOUDS = {
     "3D": np.random.default_rng(0).random((300, 3)),
