@@ -43,9 +43,7 @@ def row(n):
 
 
 def main(sizes):
-    print(
-        "| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | million tetrahedra/s | peak MB | with tree |"
-    )
+    print("| points | tetrahedra | SciPy Delaunay, s | build_tree, s | ratio | tetrahedra, M/s | peak MB | with tree |")
     print("|---|---|---|---|---|---|---|---|")
     for n in sizes:
         print(row(n), flush=True)
