@@ -91,7 +91,7 @@ def torus(ring: float = 1.0, tube: float = 0.4) -> Shape:
     return Shape(sample, contains, (-r, -r, -tube), (r, r, tube), loops=1)
 
 
-def plate(width: float = 1.0, thickness: float = 0.1) -> Shape:
+def plate(width: float = 1.0, thickness: float = 0.15) -> Shape:
     """A thin box."""
     size = np.array([width, width, thickness])
     areas = np.repeat([size[1] * size[2], size[0] * size[2], size[0] * size[1]], 2)
@@ -180,8 +180,8 @@ def bottle() -> Shape:
 
 def vessel() -> Shape:
     """A bottle of glass, open at its neck: its hollow is outside."""
-    return revolved([[0, 0], [1, 0], [1, 2], [0.55, 2.4], [0.55, 3], [0.3, 3], [0.3, 2.3], [0.75, 1.85], [0.75, 0.25],
-                     [0, 0.25]])  # fmt: skip
+    return revolved([[0, 0], [1, 0], [1, 2], [0.65, 2.4], [0.65, 3], [0.25, 3], [0.25, 2.2], [0.6, 1.8], [0.6, 0.4],
+                     [0, 0.4]])  # fmt: skip
 
 
 SOLIDS = {
