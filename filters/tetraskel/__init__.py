@@ -1,11 +1,12 @@
 """Skeletons of point sets by binary and ternary trees over their Delaunay triangulation."""
 
-from tetraskel.errors import Aborted, EngineError, InputError, MeshError, TetraskelError
+from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.binary import BinaryTree, binarize
 from tetraskel.kernels.decode import decode_tree
 from tetraskel.kernels.flat import remove_flat
-from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.interior import interior
+from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
@@ -18,6 +19,7 @@ __all__ = [
     "BinaryTree",
     "EngineError",
     "InputError",
+    "InsideWarning",
     "MeshError",
     "TetraskelError",
     "Tree",
@@ -27,7 +29,9 @@ __all__ = [
     "binarize",
     "build_tree",
     "decode_tree",
+    "interior",
     "remove_flat",
+    "submesh",
     "tree_skeleton",
     "triangulate",
     "triangulation_of",

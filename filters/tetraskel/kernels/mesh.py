@@ -64,9 +64,11 @@ class Triangulation:
         return len(self.simplices)
 
 
-def submesh(mesh: Triangulation, keep: Bools) -> Triangulation:
-    """The simplices marked in `keep` (m,), neighbours renumbered, points unchanged."""
-    number = np.full(len(mesh) + 1, -1, np.int32)  # the last one stands for neighbour -1
-    kept = np.flatnonzero(keep)
-    number[kept] = np.arange(len(kept), dtype=np.int32)
-    return replace(mesh, simplices=mesh.simplices[kept], neighbors=number[mesh.neighbors[kept]])
+def submesh(mesh: Triangulation, kept: Bools) -> Triangulation:
+    """The simplices where (m,) `kept` holds, in order; points and their ids stay as they are.
+
+    Neighbours are renumbered; a facet to a simplex that is gone becomes part of the boundary.
+    """
+    new_id = np.append(np.cumsum(kept, dtype=np.int32) - 1, np.int32(-1))
+    new_id[:-1][~kept] = -1
+    return replace(mesh, simplices=mesh.simplices[kept], neighbors=new_id[mesh.neighbors[kept]])

@@ -1,0 +1,113 @@
+"""Which simplices of a triangulation lie inside the object: by gates, by an array, or all of them."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tetraskel.errors import InputError, InsideWarning
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.gates import gate_tree, inside_by_gates
+from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.smoothing import smaller_surface
+from tetraskel.options import InteriorOptions
+
+Bools = NDArray[np.bool_]
+
+# Of points on a surface nearly all lie between inside and outside, with noise of 1 % of the diagonal still more than
+# half; of points that fill a volume less than half do, however the gates divide them.
+LEAST_SHARE = 0.5
+
+
+def interior(
+    mesh: Triangulation,
+    *,
+    method: str = InteriorOptions.method,
+    ratio: float = InteriorOptions.ratio,
+    labels: ArrayLike | None = None,
+    tick: Tick = silent,
+) -> Bools:
+    """(m,) simplices that lie inside.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+        A Delaunay triangulation.
+    method : {"gates", "array", "all"}
+        See `InteriorOptions`.
+    ratio : float
+        See `InteriorOptions`; for "gates".
+    labels : (m,) array of numbers or booleans
+        For "array": what is not 0 is inside.
+    tick : callable, optional
+        Told the share of work done; may raise `Aborted`.
+
+    Raises
+    ------
+    InputError
+        When an option is out of bounds or what a method needs is missing or of the wrong length.
+
+    Warns
+    -----
+    InsideWarning
+        When nothing lies inside.
+    """
+    InteriorOptions(method=method, ratio=ratio)
+    if method == "all" or len(mesh) == 0:
+        return np.ones(len(mesh), bool)
+    if method == "array":
+        return inside_by_labels(len(mesh), labels)
+    return _by_gates(mesh, ratio, tick)
+
+
+def _by_gates(mesh: Triangulation, ratio: float, tick: Tick) -> Bools:
+    inside = inside_by_gates(gate_tree(mesh, tick=lambda done: tick(0.9 * done)), ratio=ratio)
+    inside = smaller_surface(mesh, inside)
+    share = surface_share(mesh, inside)
+    if inside.any() and share >= LEAST_SHARE:
+        return inside
+    if inside.any():
+        reason = f"only {share:.0%} of the points lie between inside and outside; they fill a volume or are too noisy"
+        advice = "try method 'all', or 'surface' if there is one"
+    else:
+        reason = (
+            f"no room is {ratio:g} times larger than the widest way into it; the points lie on an open surface, on a "
+            "line, fill a volume, or are too few for the thickness of the object"
+        )
+        advice = "try method 'all', or a smaller ratio"
+    warnings.warn(f"nothing lies inside: {reason}; {advice}.", InsideWarning, stacklevel=3)
+    return np.zeros(len(mesh), bool)
+
+
+def surface_share(mesh: Triangulation, inside: Bools) -> float:
+    """Share of the points that have simplices of both sides around them, or the outside of the mesh."""
+    touched = np.zeros((2, len(mesh.points)), bool)
+    touched[1, mesh.simplices[inside]] = True
+    touched[0, mesh.simplices[~inside]] = True
+    cells = np.flatnonzero(inside & (mesh.neighbors < 0).any(axis=1))
+    for vertex in range(mesh.dim + 1):
+        at_hull = cells[mesh.neighbors[cells, vertex] < 0]
+        touched[0, np.delete(mesh.simplices[at_hull], vertex, axis=1)] = True
+    return float(np.count_nonzero(touched.all(axis=0)) / max(len(mesh.points), 1))
+
+
+def inside_by_labels(n_simplices: int, labels: ArrayLike | None) -> Bools:
+    """(m,) simplices whose label is not 0.
+
+    Raises
+    ------
+    InputError
+        When there are no labels, not one number per simplex, or labels that are not numbers.
+    """
+    if labels is None:
+        raise InputError("expected labels for method 'array', got none; name a cell array of the mesh.")
+    given = np.asarray(labels)
+    if given.shape != (n_simplices,):
+        raise InputError(f"expected one label for each of {n_simplices} simplices, got shape {given.shape}.")
+    if given.dtype.kind not in "biuf":
+        raise InputError(f"expected labels as numbers or booleans, got an array of type {given.dtype}.")
+    if given.dtype.kind == "f" and not np.isfinite(given).all():
+        raise InputError("expected finite labels, got NaN or infinity.")
+    return np.asarray(given != 0)
