@@ -18,19 +18,24 @@ def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) ->
 
 def _add_option(group, declared) -> None:
     metadata = declared.metadata
-    flag, unit = "--" + declared.name.replace("_", "-"), f" [{metadata['unit']}]" if metadata["unit"] else ""
-    help_text = (metadata["doc"] + unit).replace("%", "%%")
+    unit = f" [{metadata['unit']}]" if metadata["unit"] else ""
+    common = {"default": declared.default, "help": (metadata["doc"] + unit).replace("%", "%%")}
+    flag = "--" + _name(declared).replace("_", "-")
     if isinstance(declared.default, bool):
-        group.add_argument(flag, action=argparse.BooleanOptionalAction, default=declared.default, help=help_text)
+        group.add_argument(flag, action=argparse.BooleanOptionalAction, **common)
     elif metadata["choices"]:
-        group.add_argument(flag, choices=metadata["choices"], default=declared.default, help=help_text)
+        group.add_argument(flag, choices=metadata["choices"], **common)
     else:
         kind = type(declared.default)
-        group.add_argument(flag, type=kind, default=declared.default, metavar=kind.__name__.upper(), help=help_text)
+        group.add_argument(flag, type=kind, metavar=kind.__name__.upper(), **common)
+
+
+def _name(declared) -> str:
+    return declared.metadata["flag"] or declared.name
 
 
 def values(chosen: argparse.Namespace, options: type[Options]) -> dict:
     """The values of one option set among the parsed arguments, checked."""
-    picked = {declared.name: getattr(chosen, declared.name) for declared in fields(options)}
+    picked = {declared.name: getattr(chosen, _name(declared)) for declared in fields(options)}
     options(**picked)
     return picked

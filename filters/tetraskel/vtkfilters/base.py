@@ -8,7 +8,7 @@ from dataclasses import fields
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkCommonExecutionModel import vtkDemandDrivenPipeline
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkDemandDrivenPipeline
 
 from tetraskel.errors import Aborted, InputError
 from tetraskel.options import Options, check_value
@@ -38,7 +38,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     input_type = "vtkPointSet"
     input_doc = ""
     output_type = "vtkPolyData"
-    n_inputs = 1
+    second_input = ()  # name, port, data type and meaning of an optional second input
     n_outputs = 1
 
     def __init_subclass__(cls, **keywords):
@@ -52,7 +52,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         self._listening = False
         self._last_error = None
         super().__init__(
-            nInputPorts=self.n_inputs,
+            nInputPorts=2 if self.second_input else 1,
             inputType=self.input_type,
             nOutputPorts=self.n_outputs,
             outputType=self.output_type,
@@ -75,6 +75,15 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     def execute(self, inputs, outputs):
         """Fill the output data objects from the input data objects."""
         raise NotImplementedError
+
+    def FillInputPortInformation(self, port, info):
+        """Called by VTK: what each input takes; the second one may be left unconnected."""
+        if port == 0:
+            info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), self.input_type)
+        else:
+            info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), self.second_input[2])
+            info.Set(vtkAlgorithm.INPUT_IS_OPTIONAL(), 1)
+        return 1
 
     def RequestData(self, request, inInfo, outInfo):  # noqa: N803
         """Called by VTK: hand the data objects to `execute`."""

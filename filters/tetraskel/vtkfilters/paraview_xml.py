@@ -12,8 +12,10 @@ MENU = '<ShowInMenu category="Skeleton Tree"/>'
 
 def panel_xml(cls) -> str:
     """Documentation, inputs and properties of a filter class, for `smproperty.xml`."""
-    properties = "\n".join(_property(declared) for declared in fields(cls.options))
-    return f"{_documentation(cls)}\n{_input(cls)}\n{properties}"
+    first = _input("Input", 0, cls.input_type, cls.input_doc, "")
+    second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
+    properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
+    return "\n".join([_documentation(cls), first, second, properties])
 
 
 def label(name: str) -> str:
@@ -27,22 +29,38 @@ def _documentation(cls) -> str:
     return f"<Documentation short_help={quoteattr(first)} long_help={quoteattr(first)}>{escape(text)}</Documentation>"
 
 
-def _input(cls) -> str:
+def _input(name: str, port: int, data_type: str, doc: str, hints: str) -> str:
     return (
-        '<InputProperty name="Input" command="SetInputConnection">'
-        f'<DataTypeDomain name="input_type"><DataType value="{cls.input_type}"/></DataTypeDomain>'
-        f"<Documentation>{escape(cls.input_doc)}</Documentation></InputProperty>"
+        f'<InputProperty name="{name}" command="SetInputConnection" port_index="{port}">'
+        f'<DataTypeDomain name="input_type"><DataType value="{data_type}"/></DataTypeDomain>'
+        f"<Documentation>{escape(doc)}</Documentation>{hints}</InputProperty>"
     )
 
 
-def _property(declared) -> str:
+def _property(declared, options) -> str:
     name, metadata = camel_case(declared.name), declared.metadata
     unit = f" Unit: {metadata['unit']}." if metadata["unit"] else ""
     common = f'name="{name}" command="Set{name}" number_of_elements="1" default_values="{_default(declared)}"'
-    level = ' panel_visibility="advanced"' if metadata["advanced"] else ""
-    kind = "DoubleVectorProperty" if isinstance(declared.default, float) else "IntVectorProperty"
+    kind = _kind(declared)
     documentation = f"<Documentation>{escape(metadata['doc'] + unit)}</Documentation>"
-    return f"<{kind} {common}{level}>{_domain(declared)}{documentation}</{kind}>"
+    return f"<{kind} {common}>{_domain(declared)}{documentation}{_shown_when(declared, options)}</{kind}>"
+
+
+def _kind(declared) -> str:
+    if declared.metadata["choices"] or isinstance(declared.default, int):
+        return "IntVectorProperty"
+    return "StringVectorProperty" if isinstance(declared.default, str) else "DoubleVectorProperty"
+
+
+def _shown_when(declared, options) -> str:
+    """Hide an option that does not apply to the chosen word of another one."""
+    if not declared.metadata["when"]:
+        return ""
+    name, word = declared.metadata["when"]
+    (other,) = (field for field in fields(options) if field.name == name)
+    value = other.metadata["choices"].index(word) if other.metadata["choices"] else word
+    decorator = f'type="GenericDecorator" mode="visibility" property="{camel_case(name)}" value="{value}"'
+    return f"<Hints><PropertyWidgetDecorator {decorator}/></Hints>"
 
 
 def _default(declared) -> str:
