@@ -137,3 +137,18 @@ class InteriorOptions(Options):
         unit="room radius / door width",
         bounds=(1.0, 100.0),
     )
+
+
+@dataclass(frozen=True)
+class InteriorCellsOptions(InteriorOptions):
+    """Parameters of inside and outside on a mesh with named arrays."""
+
+    label_array: str = option(
+        "Inside", "Cell array of the mesh that is not 0 inside, for the method array.", when=("method", "array")
+    )
+    extract: bool = option(False, "Keep the inside cells only.")
+    gate_arrays: bool = option(
+        False,
+        "Add what the gate tree knows of each cell: GateWidth, RoomRadius and GateParent.",
+        when=("method", "gates"),
+    )

@@ -118,6 +118,10 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
             for speaker in (self, self.GetExecutive()):
                 speaker.AddObserver("ErrorEvent", lambda *_: None)
 
+    def warn(self, message):
+        """Print one line of warning."""
+        vtkOutputWindow.GetInstance().DisplayWarningText(f"{type(self).__name__}: {message}\n")
+
     def _empty_outputs(self, out_info):
         for port in range(self.GetNumberOfOutputPorts()):
             output = vtkDataObject.GetData(out_info, port)

@@ -163,6 +163,18 @@ def simplices_of(data: vtkPointSet) -> np.ndarray:
     )
 
 
+def segments_of(cells: vtkCellArray, *, closed: bool) -> np.ndarray:
+    """(s, 2) point ids of the edges along lines, or around polygons if `closed`."""
+    if cells is None or cells.GetNumberOfCells() == 0:
+        return np.empty((0, 2), np.int64)
+    offsets, ids = (vtk_to_numpy(array) for array in (cells.GetOffsetsArray(), cells.GetConnectivityArray()))
+    after = np.arange(1, len(ids) + 1)
+    after[offsets[1:] - 1] = offsets[:-1]  # from the last point of a cell back to its first
+    keep = np.ones(len(ids), bool)
+    keep[offsets[1:] - 1] = closed
+    return np.stack([ids, ids[after]], axis=1)[keep].astype(np.int64)
+
+
 def _all_of(data: vtkPointSet, cells: vtkCellArray, cell_type: int) -> bool:
     """Whether all cells are of one type, without looking at each."""
     if data.GetCellType(0) != cell_type:

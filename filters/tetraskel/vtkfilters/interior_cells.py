@@ -1,0 +1,106 @@
+"""The filter that tells inside from outside."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+
+from tetraskel.errors import InputError, InsideWarning
+from tetraskel.kernels.gates import gate_arrays, gate_tree
+from tetraskel.kernels.interior import interior
+from tetraskel.kernels.mesh import submesh
+from tetraskel.kernels.outline import inside_by_outline
+from tetraskel.options import InteriorCellsOptions
+from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    array_of,
+    copy_rows,
+    fill_grid,
+    mesh_of,
+    points_of,
+    segments_of,
+    simplices_of,
+)
+
+
+class InteriorCells(SkeletonFilter):
+    """A mesh with a cell array Inside, 1 where a cell lies inside the object, or only these cells.
+
+    The object is known by the mesh's points alone (method gates), by a closed surface or an outline at the second
+    input, or by a cell array. An outline splits cells, so that it becomes a union of their edges; all other methods
+    leave the mesh as it is.
+    """
+
+    options = InteriorCellsOptions
+    input_doc = "A Delaunay mesh of tetrahedra, or of triangles of one plane."
+    second_input = ("Boundary", 1, "vtkPolyData", "A closed surface, or closed lines, for the methods of these names.")
+    output_type = "vtkUnstructuredGrid"
+
+    def execute(self, inputs, outputs):
+        """Classify the cells."""
+        source, output = inputs[0], outputs[0]
+        mesh = mesh_of(source)
+        if self.method == "outline" and len(mesh):
+            mesh, inside = inside_by_outline(mesh, *self._outline(inputs[1]), tick=self.tick("Following the outline"))
+            self._write_new_mesh(source, output, mesh, inside)
+        else:
+            inside = self._classify(source, mesh, inputs[1])
+            self._write(source, output, mesh, inside)
+        output.GetFieldData().PassData(source.GetFieldData())
+
+    def _classify(self, source, mesh, boundary):
+        """(m,) inside, for the methods that leave the mesh as it is; warnings are printed in one line."""
+        surface = self._surface(boundary) if self.method == "surface" else None
+        labels = array_of(source.GetCellData(), self.label_array) if self.method == "array" else None
+        if self.method == "array" and labels is None and len(mesh):
+            raise InputError(f"expected a cell array {self.label_array!r} on the mesh, got none; name another one.")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", InsideWarning)
+            inside = interior(
+                mesh,
+                method=self.method,
+                ratio=self.ratio,
+                noise=self.noise,
+                surface=surface,
+                labels=labels,
+                tick=self.tick("Telling inside from outside"),
+            )
+        for warning in caught:
+            self.warn(str(warning.message))
+        return inside
+
+    def _surface(self, boundary):
+        if boundary is None:
+            raise InputError("expected a closed surface at the second input, got nothing; connect one.")
+        triangles = vtkTriangleFilter()
+        triangles.PassLinesOff()
+        triangles.PassVertsOff()
+        triangles.SetInputData(boundary)
+        triangles.Update()
+        return points_of(triangles.GetOutput()), simplices_of(triangles.GetOutput())[:, :3]
+
+    def _outline(self, boundary):
+        if boundary is None:
+            raise InputError("expected closed lines at the second input, got nothing; connect an outline.")
+        segments = [segments_of(boundary.GetLines(), closed=False), segments_of(boundary.GetPolys(), closed=True)]
+        return points_of(boundary), np.concatenate(segments)
+
+    def _write(self, source, output, mesh, inside):
+        kept = inside if self.extract else np.ones(len(mesh), bool)
+        fill_grid(output, submesh(mesh, kept))
+        output.GetPointData().PassData(source.GetPointData())
+        copy_rows(source.GetCellData(), output.GetCellData(), np.flatnonzero(kept), ("Inside",))
+        add_arrays(output.GetCellData(), {"Inside": inside[kept]})
+        if self.gate_arrays and self.method == "gates":
+            found = gate_arrays(gate_tree(mesh), mesh.neighbors)
+            named = {"GateWidth": found.width, "RoomRadius": found.room_radius, "GateParent": found.parent}
+            add_arrays(output.GetCellData(), {name: values[kept] for name, values in named.items()})
+
+    def _write_new_mesh(self, source, output, mesh, inside):
+        kept = inside if self.extract else np.ones(len(mesh), bool)
+        fill_grid(output, submesh(mesh, kept))
+        add_arrays(output.GetCellData(), {"Inside": inside[kept]})
+        add_arrays(output.GetPointData(), {"OriginalPointIds": mesh.original_ids})
