@@ -2,8 +2,10 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.mesh import Triangulation, submesh
+from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
 
@@ -19,6 +21,9 @@ __all__ = [
     "Tree",
     "Triangulation",
     "build_tree",
+    "gate_arrays",
+    "gate_tree",
+    "inside_by_outline",
     "interior",
     "submesh",
     "triangulate",

@@ -132,3 +132,10 @@ class InteriorOptions(Options):
         unit="room radius / door width",
         bounds=(1.0, 100.0),
     )
+    noise: float = option(
+        0.0,
+        "Gates narrower than this many times the local scatter of the points, estimated from them, are no doors: "
+        "rooms between noisy points are then not taken for objects. 0 switches it off; 2 suits noisy scans.",
+        unit="standard deviations",
+        bounds=(0.0, 100.0),
+    )

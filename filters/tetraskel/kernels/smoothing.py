@@ -59,7 +59,7 @@ def _gains(mesh: Triangulation, side: Bools, cells: Ints) -> Floats:
     def work(piece: slice) -> None:
         some = cells[piece]
         sizes = facet_sizes(corners_by_axis(mesh.coordinates, mesh.simplices[some]))
-        gain[piece] = np.where(side[mesh.neighbors[some]].T != side[some], sizes, -sizes).sum(axis=0)
+        gain[piece] = np.where(side[some] != side[mesh.neighbors[some]].T, sizes, -sizes).sum(axis=0)
 
     for_chunks(work, len(cells))
     return gain
