@@ -40,6 +40,13 @@ class DelaunayMesh(vtkfilters.DelaunayMesh):
     """Points to Delaunay tetrahedra or triangles."""
 
 
+@smproxy.filter(name="InteriorCells", label=label("InteriorCells"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.InteriorCells))
+class InteriorCells(vtkfilters.InteriorCells):
+    """Mesh with its inside marked."""
+
+
 @smproxy.filter(name="TreeBuilder", label=label("TreeBuilder"), support_reload=False)
 @smhint.xml(MENU)
 @smproperty.xml(panel_xml(vtkfilters.TreeBuilder))

@@ -129,6 +129,7 @@ class InteriorOptions(Options):
         "outline (closed lines as second input, 2D), array (a cell array of the mesh), or all (everything is "
         "inside: the convex case).",
         choices=INSIDES,
+        flag="inside",
     )
     ratio: float = option(
         2.0,
@@ -136,6 +137,15 @@ class InteriorOptions(Options):
         "matters where the sampling is denser than the object is thick; larger values demand a denser sampling.",
         unit="room radius / door width",
         bounds=(1.0, 100.0),
+        when=("method", "gates"),
+    )
+    noise: float = option(
+        0.0,
+        "Gates narrower than this many times the local scatter of the points, estimated from them, are no doors: "
+        "rooms between noisy points are then not taken for objects. 0 switches it off; 2 suits noisy scans.",
+        unit="standard deviations",
+        bounds=(0.0, 100.0),
+        when=("method", "gates"),
     )
 
 

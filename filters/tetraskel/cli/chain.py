@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructuredGrid
 
+from tetraskel.cli.arguments import add_options, values
 from tetraskel.cli.files import check_folder, read, writer_for
 from tetraskel.cli.picture import draw
 from tetraskel.cli.progress import ProgressLine
-from tetraskel.vtkfilters import SkeletonFilter
+from tetraskel.errors import InputError
+from tetraskel.options import InteriorCellsOptions, InteriorOptions
+from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +26,32 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
     )
+
+
+def add_inside(parser: argparse.ArgumentParser) -> None:
+    """How inside is told from outside; everything is inside unless asked otherwise."""
+    add_options(parser, InteriorOptions)
+    parser.set_defaults(inside="all")
+    group = parser.add_argument_group("For --inside surface, outline and array")
+    group.add_argument("--boundary", metavar="FILE", help="the closed surface, or the closed lines of the outline")
+    group.add_argument(
+        "--label-array", metavar="NAME", default=InteriorCellsOptions.label_array, help="cell array, not 0 inside"
+    )
+
+
+def interior_cells(chosen: argparse.Namespace) -> list[SkeletonFilter]:
+    """The filter that keeps the inside, or none where everything is inside."""
+    if chosen.inside == "all":
+        return []
+    step = InteriorCells(**values(chosen, InteriorOptions), label_array=chosen.label_array, extract=True)
+    if chosen.inside in ("surface", "outline"):
+        if not chosen.boundary:
+            raise InputError(f"expected --boundary FILE with --inside {chosen.inside}, got none.")
+        boundary = read(chosen.boundary)
+        if not isinstance(boundary, vtkPolyData):
+            raise InputError(f"expected a surface or lines in {chosen.boundary!r}, got {type(boundary).__name__}.")
+        step.SetInputDataObject(1, boundary)
+    return [step]
 
 
 def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> None:

@@ -14,21 +14,20 @@ from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, Tre
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel skeleton` takes."""
-    from tetraskel.cli.chain import add_files
+    from tetraskel.cli.chain import add_files, add_inside
 
     add_files(parser)
+    add_inside(parser)
     add_options(parser, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
 
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
-    from tetraskel.cli.chain import run_chain
+    from tetraskel.cli.chain import interior_cells, run_chain
     from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
 
-    stages = {
-        DelaunayMesh: DelaunayOptions,
-        TreeBuilder: TreeOptions,
-        FlatTetraRemoval: FlatOptions,
-        SkeletonOutput: SkeletonOptions,
-    }
-    run_chain(chosen, [stage(**values(chosen, options)) for stage, options in stages.items()])
+    mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
+    tree = TreeBuilder(**values(chosen, TreeOptions))
+    flat = FlatTetraRemoval(**values(chosen, FlatOptions))
+    drawn = SkeletonOutput(**values(chosen, SkeletonOptions))
+    run_chain(chosen, [mesh, *interior_cells(chosen), tree, flat, drawn])

@@ -14,15 +14,17 @@ from tetraskel.options import DelaunayOptions, TreeOptions
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel tree` takes."""
-    from tetraskel.cli.chain import add_files
+    from tetraskel.cli.chain import add_files, add_inside
 
     add_files(parser)
+    add_inside(parser)
     add_options(parser, DelaunayOptions, TreeOptions)
 
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the tree."""
-    from tetraskel.cli.chain import run_chain
+    from tetraskel.cli.chain import interior_cells, run_chain
     from tetraskel.vtkfilters import DelaunayMesh, TreeBuilder
 
-    run_chain(chosen, [DelaunayMesh(**values(chosen, DelaunayOptions)), TreeBuilder(**values(chosen, TreeOptions))])
+    mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
+    run_chain(chosen, [mesh, *interior_cells(chosen), TreeBuilder(**values(chosen, TreeOptions))])

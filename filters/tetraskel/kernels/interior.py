@@ -1,4 +1,4 @@
-"""Which simplices of a triangulation lie inside the object: by gates, by an array, or all of them."""
+"""Which simplices of a triangulation lie inside the object, by whatever is known of it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.gates import gate_tree, inside_by_gates
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.noise import noise_at_gates
+from tetraskel.kernels.outline import checked_outline, even_odd
 from tetraskel.kernels.smoothing import smaller_surface
+from tetraskel.kernels.surface_side import inside_by_surface
 from tetraskel.options import InteriorOptions
 
 Bools = NDArray[np.bool_]
@@ -26,6 +29,9 @@ def interior(
     *,
     method: str = InteriorOptions.method,
     ratio: float = InteriorOptions.ratio,
+    noise: float = InteriorOptions.noise,
+    surface: tuple[ArrayLike, ArrayLike] | None = None,
+    outline: tuple[ArrayLike, ArrayLike] | None = None,
     labels: ArrayLike | None = None,
     tick: Tick = silent,
 ) -> Bools:
@@ -35,10 +41,15 @@ def interior(
     ----------
     mesh : Triangulation
         A Delaunay triangulation.
-    method : {"gates", "array", "all"}
+    method : {"gates", "surface", "outline", "array", "all"}
         See `InteriorOptions`.
-    ratio : float
+    ratio, noise : float
         See `InteriorOptions`; for "gates".
+    surface : (points (n, 3), triangles (t, 3)), optional
+        For "surface": closed, counter-clockwise as seen from outside.
+    outline : (points (k, 2), segments (s, 2)), optional
+        For "outline": closed lines. Triangles that the outline cuts are on their barycentre's side;
+        `inside_by_outline` makes a triangulation that follows the outline first.
     labels : (m,) array of numbers or booleans
         For "array": what is not 0 is inside.
     tick : callable, optional
@@ -54,16 +65,29 @@ def interior(
     InsideWarning
         When nothing lies inside.
     """
-    InteriorOptions(method=method, ratio=ratio)
+    InteriorOptions(method=method, ratio=ratio, noise=noise)
     if method == "all" or len(mesh) == 0:
         return np.ones(len(mesh), bool)
     if method == "array":
         return inside_by_labels(len(mesh), labels)
-    return _by_gates(mesh, ratio, tick)
+    if method == "surface":
+        return inside_by_surface(mesh, *_needed(surface, method), tick=tick)
+    if method == "outline":
+        corners, edges = checked_outline(mesh, *_needed(outline, method))
+        return even_odd(mesh.points[mesh.simplices].mean(axis=1), corners, edges)
+    return _by_gates(mesh, ratio, noise, tick)
 
 
-def _by_gates(mesh: Triangulation, ratio: float, tick: Tick) -> Bools:
-    inside = inside_by_gates(gate_tree(mesh, tick=lambda done: tick(0.9 * done)), ratio=ratio)
+def _needed(given: tuple[ArrayLike, ArrayLike] | None, method: str) -> tuple[ArrayLike, ArrayLike]:
+    if given is None:
+        raise InputError(f"expected a second input for method {method!r}, got none; give its points and cells.")
+    return given
+
+
+def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bools:
+    tree = gate_tree(mesh, tick=lambda done: tick(0.9 * done))
+    least_width = noise * noise_at_gates(mesh, tree) if noise else 0.0
+    inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
     inside = smaller_surface(mesh, inside)
     share = surface_share(mesh, inside)
     if inside.any() and share >= LEAST_SHARE:

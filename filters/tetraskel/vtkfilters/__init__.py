@@ -3,7 +3,8 @@
 from tetraskel.vtkfilters.base import SkeletonFilter
 from tetraskel.vtkfilters.delaunay_mesh import DelaunayMesh
 from tetraskel.vtkfilters.flat_tetra_removal import FlatTetraRemoval
+from tetraskel.vtkfilters.interior_cells import InteriorCells
 from tetraskel.vtkfilters.skeleton_output import SkeletonOutput
 from tetraskel.vtkfilters.tree_builder import TreeBuilder
 
-__all__ = ["DelaunayMesh", "FlatTetraRemoval", "SkeletonFilter", "SkeletonOutput", "TreeBuilder"]
+__all__ = ["DelaunayMesh", "FlatTetraRemoval", "InteriorCells", "SkeletonFilter", "SkeletonOutput", "TreeBuilder"]
