@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from numbers import Real
 from typing import Any
+
+import numpy as np
 
 from tetraskel.errors import InputError
 
@@ -46,13 +49,17 @@ def check_value(name: str, value: Any, metadata: Any, default: Any) -> None:
     choices, bounds = metadata["choices"], metadata["bounds"]
     if choices and value not in choices:
         raise InputError(f"{name} must be one of {', '.join(choices)}; got {value!r}.")
+    if isinstance(default, bool) and not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} must be True or False; got {value!r}.")
+    if isinstance(default, str) and not isinstance(value, str):
+        raise InputError(f"{name} must be a word; got {value!r}.")
     if bounds is None:
         return
-    if not isinstance(value, (int, float)) or not math.isfinite(value):
+    if not isinstance(value, Real) or not math.isfinite(value):
         raise InputError(f"{name} must be a finite number; got {value!r}.")
     if not bounds[0] <= value <= bounds[1]:
         raise InputError(f"{name} must lie between {bounds[0]:g} and {bounds[1]:g}; got {value:g}.")
-    if isinstance(default, int) and not isinstance(default, bool) and value != int(value):
+    if isinstance(default, int) and value != round(value):
         raise InputError(f"{name} must be a whole number; got {value!r}.")
 
 

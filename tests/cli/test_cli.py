@@ -10,7 +10,7 @@ import pytest
 import pyvista
 
 from paths import ENVIRONMENT, PLUGIN, SAMPLES, SHIM
-from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
+from tetraskel import assemble_skeleton, build_tree, interior, remove_flat, triangulate
 from tetraskel.cli import main
 from tetraskel.cli.progress import ProgressLine
 
@@ -118,6 +118,36 @@ def test_columns_beside_the_coordinates_become_arrays(tmp_path, capsys):
     assert pyvista.read(tmp_path / "out.vtp").n_points == len(triangulate(POINTS))
 
 
+@pytest.mark.parametrize(
+    "header", ['"id","Points:0","Points:1","Points:2"', "name;x [m];y [m];z [m]", "t\tpoints_0\tpoints_1\tpoints_2"]
+)
+def test_coordinates_are_found_by_name(tmp_path, capsys, header):
+    mark = next(mark for mark in ";\t," if mark in header)
+    rows = [mark.join(["word" if mark == ";" else "7", *map(str, row)]) for row in POINTS]
+    (tmp_path / "in.csv").write_text("\n".join([header, *rows]))
+    run(capsys, "tree", tmp_path / "in.csv", tmp_path / "out.vtp")
+    assert pyvista.read(tmp_path / "out.vtp").n_points == len(triangulate(POINTS))
+
+
+def test_a_link_is_followed_and_a_read_only_file_is_kept(tmp_path, capsys):
+    (tmp_path / "real.csv").write_text("old")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")
+    assert run(capsys, "tree", POLYGON, tmp_path / "link.csv")[0] == 0
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "real.csv").read_text().startswith("x,y,z")
+
+
+def test_inside_is_kept_and_nothing_inside_is_said(tmp_path, capsys):
+    torus = SAMPLES / "torus.vtp"
+    assert run(capsys, "tree", torus, tmp_path / "o.vtp", "--inside", "gates")[0] == 0
+    mesh = triangulate(np.asarray(pyvista.read(torus).points))
+    assert pyvista.read(tmp_path / "o.vtp").n_points == interior(mesh).sum()
+    status, _, err = run(capsys, "tree", POLYGON, tmp_path / "o.vtp", "--inside", "gates")
+    assert status == 0
+    assert err.startswith("warning: InteriorCells: nothing lies inside")
+    assert err.count("\n") == 1
+
+
 def test_pictures_are_drawn(tmp_path, capsys):
     assert run(capsys, "skeleton", SAMPLES / "torus.vtp", tmp_path / "o.vtp", "--png", tmp_path / "o.png")[0] == 0
     picture = pyvista.read(tmp_path / "o.png")
@@ -132,14 +162,21 @@ BROKEN = {
     "line.csv": "0,0,0\n1,1,1\n2,2,2\n",
     "few.csv": "x,y,z\n0,0,0\n",
     "nan.csv": "0,0,0\nnan,1,1\n",
+    "comma.csv": "x;y;z\n13,4;84,7;76,4\n",
+    "wide.csv": "1,2,3,4,5\n",
+    "named.csv": "id,Points:0,Points:1,height\n0,1,2,3\n",
+    "other.csv": "a,b,c,d\n0,1,2,3\n",
+    "broken.obj": "this is no mesh",
+    "broken.stl": "this is no mesh",
+    "broken.ply": "this is no mesh",
     "broken.vtp": "<VTKFile type='PolyData'>",
     "broken.npy": "not an array",
     "broken.vtu": "",
 }
 WRONG = [
     (["tree", "missing.csv", "o.vtp"], "expected a file to read, got 'missing.csv', which does not exist"),
-    (["tree", "words.csv", "o.vtp"], "expected rows of numbers"),
-    (["tree", "ragged.csv", "o.vtp"], "expected rows of numbers, all of one length"),
+    (["tree", "words.csv", "o.vtp"], "expected numbers in line 2 of 'words.csv'"),
+    (["tree", "ragged.csv", "o.vtp"], "expected 3 cells in each line of 'ragged.csv', got 2 in line 2"),
     (["tree", "one.xyz", "o.vtp"], "two or three columns"),
     (["tree", "line.csv", "o.vtp"], "3 points on one line"),
     (["tree", "few.csv", "o.vtp"], "expected at least 3 distinct points"),
@@ -147,6 +184,19 @@ WRONG = [
     (["tree", "broken.vtp", "o.vtp"], "cannot be read as .vtp"),
     (["tree", "broken.vtu", "o.vtp"], "cannot be read as .vtu"),
     (["tree", "broken.npy", "o.vtp"], "not a plain array file"),
+    (["tree", "broken.obj", "o.vtp"], "expected points in 'broken.obj', got none"),
+    (["tree", "broken.stl", "o.vtp"], "broken.stl"),
+    (["tree", "broken.ply", "o.vtp"], "broken.ply"),
+    (["tree", "comma.csv", "o.vtp"], "expected numbers in line 2 of 'comma.csv'"),
+    (["tree", "wide.csv", "o.vtp"], "or a header that names x, y and z, got 5 columns"),
+    (["tree", "other.csv", "o.vtp"], "got 4 columns named a, b, c, d"),
+    (["tree", "line.csv", "o.vtp", "--png", "o.jpg"], "expected an output file ending in .png, got 'o.jpg'"),
+    (["tree", "line.csv", "o.vtp", "--png", "o"], "expected an output file ending in .png, got 'o'"),
+    (["tree", "o.vtp", "o.vtp"], "expected an output beside the input"),
+    (["tree", ".", "o.vtp"], "expected a file ending in"),
+    (["tree", "folder.csv", "o.vtp"], "'folder.csv', which is a folder"),
+    (["tree", "line.csv", "folder.csv"], "'folder.csv', which is a folder"),
+    (["tree", "line.csv", "o.vtp", "--inside", "surface"], "expected --boundary FILE with --inside surface"),
     (["tree", "line.csv", "o.jpg"], "expected an output file ending in .vtp .vtk .csv"),
     (["tree", "line.doc", "o.vtp"], "expected a file ending in .vtp"),
     (["tree", "line.csv", "nowhere/o.vtp"], "expected a folder to write into"),
@@ -166,6 +216,7 @@ def test_bad_usage_and_bad_input_are_one_line_and_status_two(tmp_path, capsys, m
     for name, text in BROKEN.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "o.vtp").write_text("precious")
+    (tmp_path / "folder.csv").mkdir()
     status, out, err = run(capsys, *arguments)
     assert status == 2
     assert out == ""

@@ -10,7 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference import Reference
-from tetraskel import InputError, Triangulation, build_tree, triangulate, triangulation_of
+from tetraskel import (
+    InputError,
+    MeshError,
+    Triangulation,
+    assemble_skeleton,
+    build_tree,
+    decode_tree,
+    remove_flat,
+    triangulate,
+    triangulation_of,
+)
 
 TRAVERSALS = ["breadth", "depth"]
 
@@ -166,6 +176,19 @@ def test_no_simplex_no_node():
 def test_unknown_traversal_is_refused():
     with pytest.raises(InputError, match="traversal must be one of breadth, depth; got 'zigzag'"):
         build_tree(triangulate([[0, 0], [1, 0], [0, 1]]), traversal="zigzag")
+
+
+@pytest.mark.parametrize("function", [build_tree, remove_flat, decode_tree, assemble_skeleton])
+@pytest.mark.parametrize("thing", [None, "points", np.eye(3)])
+def test_other_objects_are_refused(function, thing):
+    with pytest.raises(InputError, match=r"expected a (Tree|Triangulation), got"):
+        function(thing)
+
+
+def test_doubled_cells_are_refused():
+    points = np.random.default_rng(1).random((10, 2))
+    with pytest.raises(MeshError, match="got 2 simplices without one; remove doubled cells"):
+        build_tree(triangulation_of(points, [[0, 1, 2], [2, 1, 0], [3, 4, 5]]))
 
 
 def test_input_is_not_written_to():

@@ -120,7 +120,7 @@ def test_a_thin_slab_is_not_a_plane():
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.integers(0, 10**6), st.sampled_from([1e-60, 1e-6, 1.0, 1e6, 1e60]), st.sampled_from([2, 3]))
+@given(st.integers(0, 10**6), st.sampled_from([1e-160, 1e-60, 1e-6, 1.0, 1e6, 1e60, 1e99]), st.sampled_from([2, 3]))
 def test_scale_does_not_matter(seed, scale, dim):
     points = np.random.default_rng(seed).random((30, dim))
     scaled = points * scale
@@ -160,6 +160,8 @@ def test_no_points_no_simplices(nothing):
         ([[1, 2, 3, 4]], r"shape \(n, 2\) or \(n, 3\), got shape \(1, 4\)"),
         ([1, 2, 3], "got shape"),
         ([["a", "b"]], "expected points as real numbers"),
+        ([[1, 2], [3]], "expected points as an array of shape"),
+        (np.ma.masked_less([[0, 0], [1, 0], [0, 1]], 1), "got a masked array"),
         ([[1 + 2j, 0]], "expected points as real numbers"),
     ],
 )

@@ -11,6 +11,7 @@ from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringArray, vtkStringO
 from vtkmodules.vtkCommonDataModel import (
     VTK_HEXAHEDRON,
     VTK_TETRA,
+    vtkImageData,
     vtkMultiBlockDataSet,
     vtkPolyData,
     vtkUnstructuredGrid,
@@ -293,9 +294,68 @@ def test_options_are_properties_setters_and_keywords():
     assert step.GetMTime() == before
     with pytest.raises(InputError, match="joggle must lie between"):
         step.joggle = 7
-    with pytest.raises(InputError, match="joggle must be a number"):
+    with pytest.raises(InputError, match="joggle must be a finite number; got 'much'"):
         step.joggle = "much"
     assert step.joggle == 1e-5
+    with pytest.raises(InputError, match="keep_leaves must be True or False; got 'no'"):
+        SkeletonOutput(keep_leaves="no")
+    assert DelaunayMesh(joggle=np.float32(0.0)).joggle == 0
+
+
+def test_setters_leave_a_bad_value_to_the_execution(messages):
+    step = DelaunayMesh()
+    step.SetJoggle(7)
+    with pytest.raises(InputError, match="joggle must lie between"):
+        chain(polydata(CLOUDS["3D"]), step)
+    assert messages.GetOutput().count("DelaunayMesh: joggle must lie between") == 1
+
+
+def test_inputs_of_the_wrong_type_are_errors(messages):
+    mesh = chain(polydata(CLOUDS["3D"]), DelaunayMesh())
+    with pytest.raises(InputError, match="expected an input of type vtkPolyData, got another type or none"):
+        chain(mesh, SkeletonOutput())
+    with pytest.raises(InputError, match="expected an input of type vtkPointSet"):
+        chain(vtkImageData(), DelaunayMesh())
+    with pytest.raises(InputError, match="expected an input of type vtkPointSet"):
+        TreeBuilder().run()
+    assert len(messages.GetOutput().split("\n\n")[:-1]) == 3
+
+
+def damaged(name, change):
+    tree = chain(polydata(CLOUDS["3D"]), DelaunayMesh(), TreeBuilder())
+    values = change(point_array(tree, name).copy())
+    tree.GetPointData().RemoveArray(name)
+    add_arrays(tree.GetPointData(), {name: values})
+    return tree
+
+
+@pytest.mark.parametrize("kind", [FlatTetraRemoval, SkeletonOutput])
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("ParentId", lambda parent: parent[::-1]),
+        ("ParentId", lambda parent: parent + 0.5),
+        ("ParentId", lambda parent: np.stack([parent] * 3, axis=1)),
+        ("ParentId", lambda parent: np.full_like(parent, -1)),
+        ("Depth", lambda depth: depth * 0 + 3),
+        ("TreeId", lambda tree: np.arange(len(tree), dtype=np.int32)),
+        ("NodeId", lambda node: node + 1),
+    ],
+)
+def test_damaged_trees_are_refused(name, change, kind):
+    with pytest.raises(InputError, match="build the tree again"):
+        chain(damaged(name, change), kind())
+
+
+def test_a_skeleton_is_no_tree():
+    skeleton = chain(polydata(CLOUDS["3D"]), DelaunayMesh(), TreeBuilder(), SkeletonOutput())
+    with pytest.raises(InputError, match="got a skeleton made of one"):
+        chain(skeleton, SkeletonOutput())
+
+
+def test_quality_that_is_no_number_is_refused():
+    with pytest.raises(InputError, match="point array Quality, got none or NaN"):
+        chain(damaged("Quality", lambda quality: quality * np.nan), FlatTetraRemoval())
 
 
 def test_misspelt_options_are_refused():

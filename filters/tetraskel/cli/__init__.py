@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -19,6 +20,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser().parse_args(arguments)
     try:
         COMMANDS[chosen.command].run(chosen)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who read our output has enough
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  (closed with the program)
     except (TetraskelError, OSError) as error:
         print(f"tetraskel {chosen.command}: {_one_line(error)}", file=sys.stderr)
         return BAD_USAGE

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import itertools
+import sys
 from collections.abc import Sequence
+from itertools import pairwise
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructuredGrid
 
 from tetraskel.cli.arguments import add_options, values
-from tetraskel.cli.files import check_folder, read, writer_for
+from tetraskel.cli.files import check_output, read, writer_for
 from tetraskel.cli.picture import draw
 from tetraskel.cli.progress import ProgressLine
 from tetraskel.errors import InputError
@@ -57,9 +58,9 @@ def interior_cells(chosen: argparse.Namespace) -> list[SkeletonFilter]:
 def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> None:
     """Read, run, write, draw; the first filter is left out when the input is a volume mesh already."""
     png = getattr(chosen, "png", None)
-    write = writer_for(chosen.output)
+    write = writer_for(chosen.output, chosen.input)
     if png:
-        check_folder(png)
+        check_output(png, (".png",))
     source = read(chosen.input)
     steps = list(filters[1:] if is_volume_mesh(source) and not chosen.points_only else filters)
     result = run_filters(source, steps)
@@ -77,15 +78,19 @@ def is_volume_mesh(data: vtkPointSet) -> bool:
 
 
 def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPolyData:
-    """Chain the filters behind the source and run them; errors are raised, not printed by VTK."""
-    vtkOutputWindow.SetInstance(vtkStringOutputWindow())
+    """Chain the filters behind the source and run them; errors are raised, warnings printed in a line each."""
+    window = vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(window)
     with ProgressLine() as line:
         for step in steps:
             line.watch(step)
         steps[0].SetInputDataObject(0, source)
-        for before, after in itertools.pairwise(steps):
+        for before, after in pairwise(steps):
             after.SetInputConnection(0, before.GetOutputPort())
-        return steps[-1].run()
+        result = steps[-1].run()
+    for message in filter(None, window.GetOutput().splitlines()):
+        print(f"warning: {message}", file=sys.stderr)
+    return result
 
 
 def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData) -> str:

@@ -6,29 +6,36 @@ from pathlib import Path
 
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.files import replace_file
+from tetraskel.cli.files import replace_file, silent_log
 
 SIZE = (1200, 900)
+FEW = 500  # points so few that each is to be seen
 
 
 def draw(source: vtkPointSet, result: vtkPolyData, path: str) -> None:
     """Draw `result` coloured by depth among the points of `source` and save it as PNG."""
     import pyvista
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
-    plotter.set_background("white")
-    if source.GetNumberOfPoints():
-        cloud = pyvista.PolyData(pyvista.wrap(source).points)
-        plotter.add_mesh(cloud, color="#9aa5b1", point_size=3, opacity=0.6)
-    if result.GetNumberOfPoints():
-        lines = pyvista.wrap(result)
-        plotter.add_mesh(lines, scalars="Depth", cmap="viridis", line_width=3, scalar_bar_args={"color": "black"})
-    if _is_flat(source):
-        plotter.view_xy()
-    else:
-        plotter.view_vector((1, -2, 0.8), viewup=(0, 0, 1))
-    replace_file(Path(path), lambda part: plotter.screenshot(str(part)))
-    plotter.close()
+    with silent_log():
+        plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
+        plotter.set_background("white")
+        if source.GetNumberOfPoints():
+            size = 12 if source.GetNumberOfPoints() < FEW else 3
+            cloud = pyvista.PolyData(pyvista.wrap(source).points)
+            plotter.add_mesh(cloud, color="#5b6b7a", point_size=size, render_points_as_spheres=True)
+        if result.GetNumberOfPoints():
+            bar = {"color": "black", "fmt": "%.0f", "n_labels": 3, "vertical": True, "height": 0.5, "title": "Depth\n"}
+            width = 6 if result.GetNumberOfPoints() < FEW else 2
+            plotter.add_mesh(
+                pyvista.wrap(result), scalars="Depth", cmap="viridis", line_width=width, scalar_bar_args=bar
+            )
+        if _is_flat(source):
+            plotter.view_xy()
+        else:
+            plotter.view_vector((1, -2, 0.8), viewup=(0, 0, 1))
+        plotter.camera.zoom(1.2)
+        replace_file(Path(path), lambda part: plotter.screenshot(str(part)))
+        plotter.close()
 
 
 def _is_flat(source: vtkPointSet) -> bool:

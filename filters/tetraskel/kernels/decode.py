@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tetraskel.errors import InputError
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.mesh import Triangulation
-from tetraskel.kernels.tree import Tree
+from tetraskel.kernels.tree import Tree, expect_tree
 
 Ints = NDArray[np.integer]
 
@@ -30,6 +30,7 @@ def decode_tree(tree: Tree) -> Triangulation:
     InputError
         For a tree from which nodes were removed: its simplices are no longer all there.
     """
+    expect_tree(tree)
     n = len(tree)
     if n and (tree.cell.max() >= n or len(np.unique(tree.cell)) < n):
         raise InputError("expected a whole tree, got one from which flat nodes were removed; decode it before removal.")

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.forest import Forest, complete_forest, preorder
-from tetraskel.kernels.mesh import Triangulation, submesh
+from tetraskel.kernels.mesh import Triangulation, expect_mesh, submesh
 from tetraskel.kernels.quality import qualities
-from tetraskel.kernels.tree import Tree
+from tetraskel.kernels.tree import Tree, expect_tree
 from tetraskel.options import FlatOptions
 
 Ints = NDArray[np.integer]
@@ -39,6 +39,7 @@ def remove_flat(tree: Tree, *, threshold: float = FlatOptions.threshold, tick: T
     -------
     Tree
     """
+    expect_tree(tree)
     FlatOptions(threshold=threshold)
     quality = qualities(tree.mesh, tick)
     forest, kept = contract(tree.forest, quality[tree.cell] < threshold, tree.traversal)
@@ -47,6 +48,7 @@ def remove_flat(tree: Tree, *, threshold: float = FlatOptions.threshold, tick: T
 
 def remove_flat_cells(mesh: Triangulation, *, threshold: float = FlatOptions.threshold) -> Triangulation:
     """The mesh without its simplices of quality below `threshold`; points stay."""
+    expect_mesh(mesh)
     FlatOptions(threshold=threshold)
     return submesh(mesh, qualities(mesh) >= threshold)
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.errors import InputError
 from tetraskel.kernels.plane import plane_coordinates
 
 Floats = NDArray[np.float64]
@@ -72,3 +73,11 @@ def submesh(mesh: Triangulation, kept: Bools) -> Triangulation:
     new_id = np.append(np.cumsum(kept, dtype=np.int32) - 1, np.int32(-1))
     new_id[:-1][~kept] = -1
     return replace(mesh, simplices=mesh.simplices[kept], neighbors=new_id[mesh.neighbors[kept]])
+
+
+def expect_mesh(mesh: object) -> None:
+    """Raise `InputError` for anything but a `Triangulation`."""
+    if not isinstance(mesh, Triangulation):
+        raise InputError(
+            f"expected a Triangulation, got {type(mesh).__name__}; make one with triangulate or triangulation_of."
+        )

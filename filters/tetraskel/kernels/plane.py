@@ -33,7 +33,7 @@ def plane_frame(points: Floats, tolerance: float) -> Floats | None:
     constant = np.flatnonzero(np.ptp(points, axis=0) <= tolerance)
     if len(constant):
         return np.delete(np.eye(3), constant[0], axis=0)
-    moved = points - points[np.argmin(points[:, 0])]
+    moved, tolerance = _unit_size(points - points[np.argmin(points[:, 0])], tolerance)
     normal = _widest_normal(moved)
     if normal is None or np.ptp(dot(moved, normal)) > tolerance:
         return None
@@ -46,10 +46,17 @@ def plane_frame(points: Floats, tolerance: float) -> Floats | None:
 def on_one_line(points: Floats, tolerance: float) -> bool:
     """Whether all (n, 2) or (n, 3) points lie on one line."""
     space = np.zeros((len(points), 3))
-    space[:, : points.shape[1]] = points - points[np.argmin(points[:, 0])]
+    moved, tolerance = _unit_size(points - points[np.argmin(points[:, 0])], tolerance)
+    space[:, : points.shape[1]] = moved
     far = space[np.argmax(dot(space, space))]
     across = np.cross(space, _unit(far)) if far.any() else space
     return bool(np.sqrt(dot(across, across).max()) <= tolerance)
+
+
+def _unit_size(moved: Floats, tolerance: float) -> tuple[Floats, float]:
+    """Both divided by a power of two near the largest coordinate, so that products stay finite in every unit."""
+    exponent = int(np.frexp(np.abs(moved).max(initial=0.0))[1])
+    return np.ldexp(moved, -exponent), float(np.ldexp(tolerance, -exponent))
 
 
 def _widest_normal(moved: Floats) -> Floats | None:

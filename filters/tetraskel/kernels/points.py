@@ -51,7 +51,12 @@ def distinct_points(points: ArrayLike) -> DistinctPoints:
     InputError
         For another shape, entries that are not numbers, or coordinates that are not finite (they are counted).
     """
-    given = np.asarray(points)
+    if np.ma.is_masked(points):
+        raise InputError("expected points without a mask, got a masked array; pass points.compressed() or fill it.")
+    try:
+        given = np.asarray(points)
+    except ValueError as error:
+        raise InputError(f"expected points as an array of shape (n, 2) or (n, 3), got {error}.") from error
     if given.size == 0 and given.ndim < 2:
         given = np.empty((0, 3))
     if given.ndim != 2 or given.shape[1] not in (2, 3):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.centres import centres
 from tetraskel.kernels.forest import Forest
-from tetraskel.kernels.tree import Tree
+from tetraskel.kernels.tree import Tree, expect_tree
 from tetraskel.options import SkeletonOptions, TreeOptions
 
 Floats = NDArray[np.float64]
@@ -73,6 +73,7 @@ def assemble_skeleton(
     keep_leaves : bool
         Keep the nodes without sons. A root always stays.
     """
+    expect_tree(tree)
     return skeleton_of(tree.forest, centres(tree.mesh, centre)[tree.cell], keep_leaves=keep_leaves)
 
 

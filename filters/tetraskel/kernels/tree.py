@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.errors import InputError, MeshError
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.forest import Forest, complete_forest
-from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.pieces import label_pieces
 from tetraskel.kernels.roots import first_facets_by_piece
 from tetraskel.kernels.sons import crossing_codes
@@ -119,13 +120,22 @@ def build_tree(mesh: Triangulation, *, traversal: str = TreeOptions.traversal, t
     Raises
     ------
     InputError
-        For an unknown traversal.
+        For an unknown traversal, or what is not a mesh.
+    MeshError
+        For a piece without border: its simplices are doubled or overlap.
     """
+    expect_mesh(mesh)
     TreeOptions(traversal=traversal)
     codes = crossing_codes(mesh, tick)
     walk, tree_id = _walk_pieces(mesh, codes, traversal, tick)
     forest = complete_forest(walk.parent, walk.depth, tree_id)
     return Tree(forest, walk.cell, walk.entry, mesh, traversal)
+
+
+def expect_tree(tree: object) -> None:
+    """Raise `InputError` for anything but a `Tree`."""
+    if not isinstance(tree, Tree):
+        raise InputError(f"expected a Tree, got {type(tree).__name__}; make one with build_tree.")
 
 
 def _walk_pieces(mesh: Triangulation, codes: NDArray[np.uint8], traversal: str, tick: Tick) -> tuple[Walk, Ints]:
@@ -138,7 +148,10 @@ def _walk_pieces(mesh: Triangulation, codes: NDArray[np.uint8], traversal: str, 
     pieces = label_pieces(mesh.neighbors)
     root_cells, root_entries = first_facets_by_piece(mesh, pieces)
     walk = walk_from(mesh.neighbors, codes, root_cells, root_entries, tick)
-    tree_of_piece = np.empty(len(root_cells), np.int32)
+    if len(walk.cell) < len(mesh):
+        closed = len(mesh) - len(walk.cell)
+        raise MeshError(f"expected pieces with a border, got {closed} simplices without one; remove doubled cells.")
+    tree_of_piece = np.empty(int(pieces.max()) + 1, np.int32)
     tree_of_piece[pieces[root_cells]] = np.arange(len(root_cells), dtype=np.int32)
     return _tree_by_tree(walk, tree_of_piece[pieces[walk.cell]])
 

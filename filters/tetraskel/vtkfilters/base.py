@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import fields
+from numbers import Integral, Real
 
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkOutputWindow
@@ -26,7 +27,8 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     """Base of the filters.
 
     A subclass names its `options` and implements `execute(inputs, outputs)`. For every option it then has
-    `SetName`, `GetName`, a property `name` and a keyword of the constructor.
+    `SetName`, `GetName`, a property `name` and a keyword of the constructor. The last two raise at once for a value
+    that cannot be; the setters, which ParaView calls, leave that to the execution.
 
     Attributes
     ----------
@@ -57,6 +59,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
             nOutputPorts=self.n_outputs,
             outputType=self.output_type,
         )
+        self._listen_to_vtk()
         for name, value in values.items():
             setattr(self, name, value)
 
@@ -98,25 +101,38 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
 
     def ProcessRequest(self, request, inInfo, outInfo):  # noqa: N803
         """Called by VTK: keep an exception for `run()`, empty the output and print one line."""
-        self._silence_vtk()
-        if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
-            self._last_error = None
+        self._listen_to_vtk()
         try:
+            if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
+                self._last_error = None
+                self.options(**self._values)  # the setters ParaView calls do not raise; here the error has one line
             return super().ProcessRequest(request, inInfo, outInfo)
         except Exception as error:
             self._last_error = error
             self._empty_outputs(outInfo)
             if isinstance(error, Aborted):
                 return 1
-            vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+            self._print_error(error)
             return 0
 
-    def _silence_vtk(self):
-        """VTK's executive would add nine lines about our return value; an observer of its errors keeps them back."""
+    def _listen_to_vtk(self):
+        """VTK's own errors are kept back: after ours they only add noise, else they become one of ours.
+
+        Ours have been printed when VTK complains about our return value. Without one of ours VTK refused to run the
+        filter at all, for an input of the wrong type or none.
+        """
         if not self._listening:
             self._listening = True
             for speaker in (self, self.GetExecutive()):
-                speaker.AddObserver("ErrorEvent", lambda *_: None)
+                speaker.AddObserver("ErrorEvent", self._heard)
+
+    def _heard(self, speaker, event):
+        if self._last_error is None:
+            self._last_error = InputError(f"expected an input of type {self.input_type}, got another type or none.")
+            self._print_error(self._last_error)
+
+    def _print_error(self, error):
+        vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
 
     def warn(self, message):
         """Print one line of warning."""
@@ -139,6 +155,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         chain = list(_upstream(self))
         for one in chain:
             if one.last_error is not None:
+                one._last_error = None
                 one.Modified()  # VTK takes a failed filter for up to date
         self.Update()
         for one in chain:
@@ -181,10 +198,13 @@ def _declare(cls, declared):
 
     def set_value(self, value):
         value = _converted(value, declared)
-        check_value(name, value, declared.metadata, declared.default)
         if self._values[name] != value:
             self._values[name] = value
             self.Modified()
+
+    def set_checked(self, value):
+        check_value(name, _converted(value, declared), declared.metadata, declared.default)
+        set_value(self, value)
 
     def get_value(self):
         return self._values[name]
@@ -192,19 +212,16 @@ def _declare(cls, declared):
     set_value.__doc__ = get_value.__doc__ = declared.metadata["doc"]
     setattr(cls, f"Set{camel_case(name)}", set_value)
     setattr(cls, f"Get{camel_case(name)}", get_value)
-    setattr(cls, name, property(get_value, set_value, doc=declared.metadata["doc"]))
+    setattr(cls, name, property(get_value, set_checked, doc=declared.metadata["doc"]))
 
 
 def _converted(value, declared):
     """Words of a choice may also come as their number, switches and numbers in any numeric type."""
     choices, default = declared.metadata["choices"], declared.default
-    if choices and isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(choices):
+    if choices and isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value < len(choices):
         return choices[value]
-    if isinstance(default, bool):
+    if isinstance(default, bool) and value in (0, 1):
         return bool(value)
-    if isinstance(default, (int, float)) and not choices:
-        try:
-            return type(default)(value)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{declared.name} must be a number; got {value!r}.") from error
+    if isinstance(default, float) and isinstance(value, Real):
+        return float(value)
     return value

@@ -47,9 +47,13 @@ class FlatTetraRemoval(SkeletonFilter):
     def _contract(self, source, output):
         forest, traversal = forest_of(source)
         quality = array_of(source.GetPointData(), "Quality")
-        if quality is None:
+        if not source.IsA("vtkPolyData"):
             raise InputError(
-                "expected a tree with the point array Quality, got none; connect the output of TreeBuilder."
+                f"expected a tree as polygonal data, got {source.GetClassName()}; extract its surface first."
+            )
+        if quality is None or not np.isfinite(quality).all():
+            raise InputError(
+                "expected a tree with the point array Quality, got none or NaN; connect the output of TreeBuilder."
             )
         kept_forest, kept = contract(forest, quality < self.threshold, traversal)
         fill_tree(output, points_of(source)[kept], kept_forest, traversal)

@@ -48,18 +48,31 @@ def forest_of(data: vtkPolyData) -> tuple[Forest, str]:
     """
     arrays = {name: array_of(data.GetPointData(), name) for name in NEEDED}
     missing = [name for name, values in arrays.items() if values is None]
-    if missing:
+    if missing and data.GetNumberOfPoints():
         raise InputError(
             f"expected a tree with the point arrays {', '.join(NEEDED)}, got data without {', '.join(missing)}; "
             "connect the output of TreeBuilder."
         )
-    node, parent = arrays["NodeId"], arrays["ParentId"]
-    if not np.array_equal(node, np.arange(len(node))) or (parent >= node).any() or (parent < -1).any():
-        raise InputError(
-            "expected nodes numbered from 0, parents before sons, got another order; build the tree again."
-        )
-    forest = complete_forest(parent.astype(np.int32), arrays["Depth"], arrays["TreeId"])
+    if data.GetPointData().HasArray("NodeType"):
+        raise InputError("expected a tree, got a skeleton made of one; connect the output of TreeBuilder instead.")
+    if missing:
+        arrays = dict.fromkeys(NEEDED, np.empty(0, np.int32))
+    _check_forest(*arrays.values())
+    forest = complete_forest(*(arrays[name].astype(np.int32) for name in ("ParentId", "Depth", "TreeId")))
     return forest, fact(data, "Traversal", "breadth")
+
+
+def _check_forest(node: np.ndarray, parent: np.ndarray, depth: np.ndarray, tree: np.ndarray) -> None:
+    """Raise `InputError` unless parents come before their sons, a level above them, in the same tree."""
+    numbers = all(values.ndim == 1 and values.dtype.kind in "iu" for values in (node, parent, depth, tree))
+    if not numbers or not np.array_equal(node, np.arange(len(node))) or (parent >= node).any() or (parent < -1).any():
+        raise InputError("expected nodes numbered from 0, parents before sons, got others; build the tree again.")
+    sons = np.flatnonzero(parent >= 0)
+    above = parent[sons]
+    roots = tree[parent < 0]
+    whole = (depth[sons] == depth[above] + 1).all() and (tree[sons] == tree[above]).all()
+    if not whole or (depth[parent < 0] != 0).any() or len(np.unique(roots)) != len(roots):
+        raise InputError("expected sons one level below their parents, in one tree, got others; build the tree again.")
 
 
 def copy_node_arrays(source: vtkPolyData, output: vtkPolyData, rows: np.ndarray, skip: tuple[str, ...] = ()) -> None:

@@ -1,0 +1,97 @@
+"""Tables of coordinates: which separator, which columns, which rows."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from tetraskel.errors import InputError
+
+# Names of the coordinates in a header, without quotes and units, in small letters; ParaView writes the second kind.
+NAMED_AXES = (("x", "y", "z"), ("points:0", "points:1", "points:2"), ("points_0", "points_1", "points_2"))
+SEPARATORS = (";", ",", "\t")
+
+
+def read_table(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Coordinates (n, 2) or (n, 3) of a table, and its other columns of numbers by name.
+
+    Raises
+    ------
+    InputError
+        For a file that is not a table of numbers, or whose coordinates cannot be told from the rest.
+    """
+    return _from_npy(file) if file.suffix.lower() == ".npy" else _from_text(file)
+
+
+def _from_npy(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    try:
+        table = np.load(file, allow_pickle=False)
+    except (ValueError, EOFError) as error:
+        raise InputError(f"{str(file)!r} is not a plain array file.") from error
+    if table.ndim != 2 or table.shape[1] not in (2, 3) or table.dtype.kind not in "fiub":
+        raise InputError(
+            f"expected numbers of shape (n, 2) or (n, 3) in {str(file)!r}, got {table.dtype} {table.shape}."
+        )
+    return table, {}
+
+
+def _from_text(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Rows of cells; `#` begins a comment, and a first row that is not all numbers is a header."""
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(f"expected a text file in UTF-8, got {str(file)!r} in another encoding.") from error
+    numbered = [(k, line.split("#")[0].strip()) for k, line in enumerate(lines, 1)]
+    rows = [(k, line) for k, line in numbered if line]
+    if not rows:
+        return np.empty((0, 3)), {}
+    separator = next((mark for mark in SEPARATORS if mark in rows[0][1]), None)
+    cells = [(k, [cell.strip().strip('"') for cell in line.split(separator)]) for k, line in rows]
+    header = [] if all(map(_is_number, cells[0][1])) else cells.pop(0)[1]
+    columns = _coordinate_columns(header or [""] * len(cells[0][1]), file)
+    width = len(header or cells[0][1])
+    coordinates = np.array([_numbers(file, k, row, columns, width) for k, row in cells]).reshape(-1, len(columns))
+    return coordinates, _other_columns(header, columns, [row for _, row in cells])
+
+
+def _coordinate_columns(header: list[str], file: Path) -> list[int]:
+    """Where the coordinates are: by name, or the first two or three columns of a table that has no others."""
+    names = [re.sub(r"\s*[\[(].*", "", name).strip().lower() for name in header]
+    for axes in NAMED_AXES:
+        found = [names.index(axis) for axis in axes if axis in names]
+        if len(found) >= 2 and axes[0] in names and axes[1] in names:
+            return found
+    if len(header) in (2, 3):
+        return list(range(len(header)))
+    raise InputError(
+        f"expected two or three columns of coordinates in {str(file)!r}, or a header that names x, y and z, "
+        f"got {len(header)} columns" + (f" named {', '.join(header)}." if any(header) else ".")
+    )
+
+
+def _numbers(file: Path, line: int, row: list[str], columns: list[int], width: int) -> list[float]:
+    if len(row) != width:
+        raise InputError(f"expected {width} cells in each line of {str(file)!r}, got {len(row)} in line {line}.")
+    try:
+        return [float(row[column]) for column in columns]
+    except ValueError as error:
+        raise InputError(f"expected numbers in line {line} of {str(file)!r}: {error}.") from error
+
+
+def _other_columns(header: list[str], columns: list[int], rows: list[list[str]]) -> dict[str, np.ndarray]:
+    """Named columns that hold numbers only; columns of words are left out."""
+    others = {}
+    for k, name in enumerate(header):
+        if k not in columns and name and all(_is_number(row[k]) for row in rows):
+            others[name] = np.array([float(row[k]) for row in rows])
+    return others
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
