@@ -33,7 +33,8 @@ bench: $(READY)
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	    --config-settings editable_mode=compat --editable '.[dev]'
 	touch $(READY)
 
 # pytest for ParaView's own Python: pure Python, and kept apart so that no second VTK comes with it

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
-from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
-from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
+from tetraskel import assemble_skeleton, build_tree, interior, remove_flat, triangulate
+from tetraskel.options import DelaunayOptions, FlatOptions, InteriorCellsOptions, SkeletonOptions, TreeOptions
 
 CHAIN = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
@@ -28,8 +29,6 @@ np.savez("out.npz", points=fetched["skeleton"].Points, branch=fetched["skeleton"
 
 
 def test_the_chain_gives_the_arrays_of_the_kernels(pvpython, tmp_path):
-    import pyvista
-
     done = pvpython(CHAIN, SAMPLES / "torus.vtp")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
@@ -61,17 +60,17 @@ def test_plugin_is_found_through_a_link(pvpython, tmp_path):
 def test_defaults_are_those_of_the_options(pvpython):
     script = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
-for proxy in (DelaunayMesh(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput()):
-    for name in sorted(set(proxy.ListProperties()) - {"Input"}):
+for proxy in (DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput()):
+    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary"}):
         value = proxy.GetPropertyValue(name)
         print(name, str(value).strip("'").lower())
 """
     told = dict(line.split() for line in pvpython(script).stdout.splitlines())
     expected = {}
-    for options in (DelaunayOptions(), TreeOptions(), FlatOptions(), SkeletonOptions()):
+    for options in (DelaunayOptions(), InteriorCellsOptions(), TreeOptions(), FlatOptions(), SkeletonOptions()):
         for name, value in vars(options).items():
             shown = int(value) if isinstance(value, bool) else value
-            expected["".join(word.capitalize() for word in name.split("_"))] = str(shown)
+            expected["".join(word.capitalize() for word in name.split("_"))] = str(shown).lower()
     assert told == expected
 
 
@@ -93,6 +92,28 @@ hexahedra = AppendDatasets(Input=Wavelet(WholeExtent=[0, 10, 0, 10, 0, 10]))
     lines = [line for line in done.stderr.splitlines() if line.strip()]
     assert len(lines) == 1, done.stderr
     assert lines[0].startswith(ERRORS[call])
+
+
+def test_inside_is_found_and_a_bad_value_is_one_line(pvpython):
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+cloud = XMLPolyDataReader(FileName=ROOT + "/sample_data/torus.vtp")
+mesh = DelaunayMesh(Input=cloud)
+inside = InteriorCells(Input=mesh, Method="Gates", Extract=1)
+by_surface = InteriorCells(Input=mesh, Boundary=Sphere(Radius=1.2), Method="Surface", Extract=1)
+for proxy in (inside, by_surface):
+    proxy.UpdatePipeline()
+    print(proxy.GetDataInformation().GetNumberOfCells())
+flat = FlatTetraRemoval(Input=mesh, Threshold=2)
+flat.UpdatePipeline()
+"""
+    done = pvpython(script)
+    inside, by_surface = map(int, done.stdout.split())
+    mesh = triangulate(np.asarray(pyvista.read(SAMPLES / "torus.vtp").points))
+    assert inside == interior(mesh).sum()
+    assert 0 < by_surface < len(mesh)
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    assert lines == ["FlatTetraRemoval: threshold must lie between 0 and 1; got 2."]
 
 
 def test_filters_have_documentation_and_tooltips(pvpython):

@@ -51,7 +51,6 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     def __init__(self, **values):
         self._values = {declared.name: declared.default for declared in fields(self.options)}
         self._shown = 0.0
-        self._listening = False
         self._last_error = None
         super().__init__(
             nInputPorts=2 if self.second_input else 1,
@@ -121,9 +120,8 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         Ours have been printed when VTK complains about our return value. Without one of ours VTK refused to run the
         filter at all, for an input of the wrong type or none.
         """
-        if not self._listening:
-            self._listening = True
-            for speaker in (self, self.GetExecutive()):
+        for speaker in (self, self.GetExecutive()):  # ParaView exchanges the executive after construction
+            if not speaker.HasObserver("ErrorEvent"):
                 speaker.AddObserver("ErrorEvent", self._heard)
 
     def _heard(self, speaker, event):
