@@ -20,10 +20,15 @@ def option(
     unit: str = "",
     bounds: tuple[float, float] | None = None,
     choices: tuple[str, ...] = (),
-    advanced: bool = False,
+    when: tuple[str, str] | None = None,
+    flag: str = "",
 ) -> Any:
-    """A dataclass field that carries what the faces need to show it."""
-    metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "advanced": advanced}
+    """A dataclass field that carries what the faces need to show it.
+
+    `when` names another option and the word of it for which this one matters (a panel hides it otherwise); `flag` is
+    its name on the command line where that is not its own.
+    """
+    metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "when": when, "flag": flag}
     return field(default=default, metadata=metadata)
 
 
