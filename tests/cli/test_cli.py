@@ -58,7 +58,8 @@ def test_tetrahedra_of_a_file_are_walked_as_they_are(tmp_path, capsys):
     part = mesh.simplices[::2]
     cells = np.concatenate([np.full((len(part), 1), 4), part], axis=1).ravel()
     pyvista.UnstructuredGrid(cells, np.full(len(part), 10), mesh.points).save(tmp_path / "part.vtu")
-    run(capsys, "tree", tmp_path / "part.vtu", tmp_path / "tree.vtp")
+    _, out, _ = run(capsys, "tree", tmp_path / "part.vtu", tmp_path / "tree.vtp")
+    assert f"its own {len(part)} cells" in out
     assert pyvista.read(tmp_path / "tree.vtp").n_points == len(part)
     run(capsys, "tree", tmp_path / "part.vtu", tmp_path / "tree.vtp", "--points-only")
     assert pyvista.read(tmp_path / "tree.vtp").n_points == len(mesh)
@@ -270,8 +271,21 @@ def test_interrupted_work_leaves_nothing(tmp_path, capsys, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(TreeBuilder, "run", interrupt)
-    status, _, err = run(capsys, "tree", POLYGON, tmp_path / "o.vtp")
+    monkeypatch.setattr(TreeBuilder, "execute", interrupt)
+    status, _, err = run(capsys, "skeleton", POLYGON, tmp_path / "o.vtp")
     assert status == 130
-    assert "stopped; nothing was written" in err
+    assert err == "tetraskel skeleton: stopped; nothing was written.\n"
     assert not list(tmp_path.iterdir())
+
+
+def test_a_mixed_mesh_is_refused_not_ignored(tmp_path, capsys):
+    mesh = triangulate(POINTS)
+    tetrahedra = np.concatenate([np.full((len(mesh), 1), 4), mesh.simplices], axis=1).ravel()
+    cells = np.concatenate([[3, 0, 1, 2], tetrahedra])
+    pyvista.UnstructuredGrid(cells, [5] + [10] * len(mesh), mesh.points).save(tmp_path / "mixed.vtu")
+    status, _, err = run(capsys, "tree", tmp_path / "mixed.vtu", tmp_path / "o.vtp")
+    assert status == 2
+    assert f"got 1 of type triangle, {len(mesh)} of type tetra" in err
+    status, out, _ = run(capsys, "tree", tmp_path / "mixed.vtu", tmp_path / "o.vtp", "--points-only")
+    assert status == 0
+    assert "cells" not in out

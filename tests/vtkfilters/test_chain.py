@@ -7,13 +7,14 @@ import itertools
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringArray, vtkStringOutputWindow
+from vtkmodules.vtkCommonCore import vtkBitArray, vtkOutputWindow, vtkStringArray, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import (
     VTK_HEXAHEDRON,
     VTK_TETRA,
     vtkImageData,
     vtkMultiBlockDataSet,
     vtkPolyData,
+    vtkStructuredGrid,
     vtkUnstructuredGrid,
 )
 from vtkmodules.vtkFiltersCore import vtkDelaunay3D
@@ -30,7 +31,7 @@ from tetraskel import (
     triangulate,
 )
 from tetraskel.kernels.centres import centres, circumballs
-from tetraskel.kernels.decode import decode_simplices
+from tetraskel.kernels.decode import decode_simplices, encode_tree
 from tetraskel.kernels.quality import qualities
 from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_cells, to_points
@@ -108,7 +109,6 @@ def test_tree_builder_is_build_tree(name, traversal, centre):
         "CellId": tree.cell,
         "ApexId": tree.apex,
         "EntryFacet": tree.entry_facet,
-        "EntryIndex": tree.entry,
         "Quality": qualities(tree.mesh)[tree.cell],
         "Radius": radius[tree.cell],
         "ContainsCircumcentre": contains[tree.cell],
@@ -124,8 +124,10 @@ def test_tree_builder_is_build_tree(name, traversal, centre):
 @pytest.mark.parametrize("name", CLOUDS)
 def test_tree_arrays_alone_decode_to_the_mesh(name):
     data = chain(polydata(CLOUDS[name]), DelaunayMesh(), TreeBuilder())
-    arrays = [point_array(data, array) for array in ("EntryFacet", "ApexId", "EntryIndex", "CellId")]
-    assert np.array_equal(decode_simplices(*arrays), triangulate(CLOUDS[name]).simplices)
+    code = encode_tree(*(point_array(data, array) for array in ("ParentId", "EntryFacet", "ApexId")))
+    decoded = decode_simplices(code, point_array(data, "Depth"))
+    expected = triangulate(CLOUDS[name]).simplices[point_array(data, "CellId")]
+    assert np.array_equal(np.sort(decoded), np.sort(expected))
 
 
 @pytest.mark.parametrize("traversal", ["breadth", "depth"])
@@ -196,6 +198,57 @@ def test_meshes_made_by_vtk_are_walked():
     delaunay.Update()
     data = chain(delaunay.GetOutput(), TreeBuilder())
     assert data.GetNumberOfPoints() == delaunay.GetOutput().GetNumberOfCells()
+
+
+def test_other_kinds_of_meshes_are_refused():
+    with pytest.raises(MeshError, match="got 8 of type hexahedron"):
+        chain(structured_grid(), TreeBuilder())
+
+
+def structured_grid():
+    data = vtkStructuredGrid()
+    data.SetDimensions(3, 3, 3)
+    data.SetPoints(to_points(np.stack(np.meshgrid(*[np.arange(3.0)] * 3), -1).reshape(-1, 3)))
+    return data
+
+
+def test_bit_arrays_are_carried():
+    source = polydata(CLOUDS["3D"])
+    bits = vtkBitArray()
+    bits.SetName("bits")
+    for k in range(source.GetNumberOfPoints()):
+        bits.InsertNextValue(k % 3 == 0)
+    source.GetPointData().AddArray(bits)
+    mesh = chain(source, DelaunayMesh())
+    carried = mesh.GetPointData().GetAbstractArray("bits")
+    assert [carried.GetValue(k) for k in range(9)] == [1, 0, 0] * 3
+
+
+def test_ids_of_a_tree_lead_back_to_the_input():
+    points = np.concatenate([CLOUDS["3D"][:5], CLOUDS["3D"]])
+    data = chain(polydata(points), DelaunayMesh(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput())
+    original = array_of(data.GetFieldData(), "OriginalPointIds")
+    mesh = triangulate(points)
+    assert np.array_equal(points[original], mesh.points)
+    assert set(point_array(data, "ApexId")) <= set(range(len(original)))
+
+
+def test_many_sons_of_one_node():
+    """A contracted node can have more sons than a byte counts."""
+    fan = polydata(np.random.default_rng(0).random((302, 3)))
+    parents = np.array([-1, 0, *[1] * 300])
+    arrays = {
+        "NodeId": np.arange(302),
+        "ParentId": parents,
+        "Depth": np.array([0, 1, *[2] * 300], np.int32),
+        "TreeId": np.zeros(302, np.int32),
+        "Quality": np.where(np.arange(302) == 1, 0.0, 1.0),
+    }
+    add_arrays(fan.GetPointData(), arrays)
+    kept = chain(fan, FlatTetraRemoval())
+    assert point_array(kept, "SonCount")[0] == 300
+    assert point_array(kept, "SonRank").max() == 299
+    assert chain(fan, FlatTetraRemoval(), SkeletonOutput(keep_leaves=True)).GetNumberOfLines() == 300
 
 
 def test_pieces_make_a_forest_and_single_cells_can_be_seen():
@@ -371,11 +424,12 @@ def test_progress_is_told_and_abort_is_honoured():
     step.AddObserver("ProgressEvent", lambda *_: heard.append(step.GetProgressText()))
     chain(cloud, step)
     assert "Triangulating" in heard
-    stopped = DelaunayMesh()
-    stopped.AddObserver("ProgressEvent", lambda *_: stopped.SetAbortExecute(1))
-    with pytest.raises(Aborted):
-        chain(cloud, stopped)
-    assert stopped.GetOutputDataObject(0).GetNumberOfCells() == 0
+    for engine in ("qhull", "vtk"):
+        stopped = DelaunayMesh(engine=engine)
+        stopped.AddObserver("ProgressEvent", lambda *_, step=stopped: step.SetAbortExecute(1))
+        with pytest.raises(Aborted):
+            chain(cloud, stopped)
+        assert stopped.GetOutputDataObject(0).GetNumberOfCells() == 0
 
 
 def test_a_missing_engine_reaches_the_caller(monkeypatch):

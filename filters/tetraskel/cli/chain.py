@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructuredGrid
 
@@ -62,19 +63,20 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
     if png:
         check_output(png, (".png",))
     source = read(chosen.input)
-    steps = list(filters[1:] if is_volume_mesh(source) and not chosen.points_only else filters)
+    steps = filters[1:] if is_volume_mesh(source) and not chosen.points_only else filters
     result = run_filters(source, steps)
     write(result)
     if png:
         draw(source, result, png)
-    print(summary(chosen, source, result))
+    print(summary(chosen, source, result, from_cells=steps[0] is not filters[0]))
 
 
 def is_volume_mesh(data: vtkPointSet) -> bool:
     """Whether the file brought cells that fill space, to be walked as they are."""
-    return isinstance(data, vtkUnstructuredGrid) and any(
-        data.GetCell(k).GetCellDimension() == 3 for k in range(min(data.GetNumberOfCells(), 1))
-    )
+    if not isinstance(data, vtkUnstructuredGrid):
+        return False
+    kinds = np.unique([data.GetCellType(k) for k in range(data.GetNumberOfCells())], return_index=True)[1]
+    return any(data.GetCell(int(k)).GetCellDimension() == 3 for k in kinds)
 
 
 def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPolyData:
@@ -93,11 +95,12 @@ def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPoly
     return result
 
 
-def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData) -> str:
+def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, *, from_cells: bool) -> str:
     """One line about what came in and went out."""
     merged = result.GetFieldData().GetArray("DuplicatesMerged")
     doubles = f" ({merged.GetValue(0):,} merged)" if merged is not None and merged.GetValue(0) else ""
+    cells = f", its own {source.GetNumberOfCells():,} cells" if from_cells else ""
     return (
-        f"{chosen.input}: {source.GetNumberOfPoints():,} points{doubles} -> "
+        f"{chosen.input}: {source.GetNumberOfPoints():,} points{doubles}{cells} -> "
         f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines"
     )

@@ -69,7 +69,6 @@ def contract(forest: Forest, flat: Bools, traversal: str) -> tuple[Forest, Ints]
     root_of_tree = np.full(int(forest.tree_id.max(initial=0)) + 1, -1, np.int64)
     root_of_tree[forest.tree_id[roots]] = roots
     parent[orphans] = root_of_tree[forest.tree_id[kept[orphans]]]
-    place[roots] = -1
     return _renumber(kept, parent, place[kept], forest.tree_id[kept], traversal)
 
 

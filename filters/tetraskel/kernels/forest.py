@@ -62,7 +62,7 @@ class Forest:
 
 def complete_forest(parent: Ints, depth: Ints, tree_id: Ints) -> Forest:
     """The forest of these parents, depths and tree ids: sons ranked and counted, subtrees measured."""
-    count = np.bincount(parent[parent >= 0], minlength=len(parent)).astype(np.uint8)
+    count = np.bincount(parent[parent >= 0], minlength=len(parent)).astype(np.int32)
     levels = level_slices(depth)
     if len(levels) > MANY_LEVELS:
         rank, size = _measure_node_by_node(parent)
@@ -86,9 +86,9 @@ def level_slices(depth: Ints) -> list[slice]:
     return [slice(int(start), int(end)) for start, end in zip([0, *ends[:-1]], ends, strict=False)]
 
 
-def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Ranks and sizes of nodes numbered level by level: the sons of one parent are then neighbours."""
-    rank, size = np.zeros(len(parent), np.uint8), np.ones(len(parent), np.int32)
+    rank, size = np.zeros(len(parent), np.int32), np.ones(len(parent), np.int32)
     n_roots = levels[0].stop if levels else 0
     first = n_roots + np.flatnonzero(np.diff(parent[n_roots:], prepend=-1))  # first sons
     first_son = np.zeros(len(parent), np.int32)
@@ -101,7 +101,7 @@ def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[NDArray[
     return rank, size
 
 
-def _measure_node_by_node(parent: Ints) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+def _measure_node_by_node(parent: Ints) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     parents = parent.tolist()
     sizes, seen, ranks = [1] * len(parents), [0] * len(parents), [0] * len(parents)
     for node, above in enumerate(parents):
@@ -111,7 +111,7 @@ def _measure_node_by_node(parent: Ints) -> tuple[NDArray[np.uint8], NDArray[np.i
     for node in range(len(parents) - 1, -1, -1):
         if parents[node] >= 0:
             sizes[parents[node]] += sizes[node]
-    return np.array(ranks, np.uint8), np.array(sizes, np.int32)
+    return np.array(ranks, np.int32), np.array(sizes, np.int32)
 
 
 def preorder(forest: Forest) -> NDArray[np.int32]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.plane import plane_coordinates
+from tetraskel.kernels.plane import plane_of_mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -59,7 +59,8 @@ class Triangulation:
         """(n, d) coordinates in which the mesh is full-dimensional: the points, or their plane coordinates."""
         if self.dim == self.points.shape[1]:
             return self.points
-        return plane_coordinates(self.points)
+        used = self.points[np.unique(self.simplices)]
+        return plane_of_mesh(used).project(self.points) if len(used) else self.points[:, : self.dim]
 
     def __len__(self) -> int:
         return len(self.simplices)

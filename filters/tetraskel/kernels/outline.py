@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import EngineError, InputError
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.mesh import Triangulation
-from tetraskel.kernels.plane import plane_frame, rounding
+from tetraskel.kernels.plane import plane_of_mesh, rounding
 from tetraskel.kernels.triangulate import triangulate
 
 Floats = NDArray[np.float64]
@@ -66,23 +66,15 @@ def _in_plane(mesh: Triangulation, points: ArrayLike) -> tuple[Triangulation, Fl
         )
     if mesh.points.shape[1] == 2:
         return mesh, corners
-    frame = _frame(mesh)
-    return replace(mesh, points=mesh.points @ frame.T), corners @ frame.T
-
-
-def _frame(mesh: Triangulation) -> Floats:
-    frame = plane_frame(mesh.points, rounding(mesh.points, np.dtype(np.float32)))
-    if frame is None:
-        raise InputError("expected triangles in one plane, got triangles that bend in space.")
-    return frame
+    plane = plane_of_mesh(mesh.points)
+    return replace(mesh, points=plane.project(mesh.points)), plane.project(corners)
 
 
 def _lifted(mesh: Triangulation, points: Floats) -> Floats:
     """Points of the plane, the mesh's own first, with the mesh's number of coordinates."""
     if mesh.points.shape[1] == 2:
         return points
-    frame, base = _frame(mesh), mesh.points[0]
-    added = base + (points[len(mesh.points) :] - frame @ base) @ frame
+    added = plane_of_mesh(mesh.points).lift(points[len(mesh.points) :])
     return np.concatenate([mesh.points, added])
 
 

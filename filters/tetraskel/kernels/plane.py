@@ -5,6 +5,8 @@ The 2D method runs in these coordinates; ids are unchanged, so results lift back
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,59 +14,105 @@ from tetraskel.errors import InputError
 
 Floats = NDArray[np.float64]
 
-# A cloud thinner than this many roundings of its largest coordinate is flat: two for storing a rotated
-# coordinate, the rest for the matrix products that made it.
+# A cloud thinner than this many roundings of its coordinates is flat: two for storing a rotated coordinate, the rest
+# for the matrix products that made it.
 ROUNDINGS = 16
 
 
-def rounding(points: NDArray[np.floating], dtype: np.dtype | None = None) -> float:
-    """Size of what rounding may have done to the coordinates, in their unit."""
+@dataclass(frozen=True)
+class Plane:
+    """A plane of space with two coordinates.
+
+    Attributes
+    ----------
+    origin : (3,) float
+        The place with coordinates (0, 0).
+    directions : (2, 3) float
+        Orthonormal.
+    """
+
+    origin: Floats
+    directions: Floats
+
+    def project(self, points: Floats) -> Floats:
+        """(n, 2) coordinates of (n, 3) points; exact in planes normal to an axis."""
+        return np.stack([dot(points - self.origin, direction) for direction in self.directions], axis=1)
+
+    def lift(self, coordinates: Floats) -> Floats:
+        """(n, 3) points with these (n, 2) coordinates."""
+        return self.origin + coordinates[:, :1] * self.directions[0] + coordinates[:, 1:] * self.directions[1]
+
+
+def roundings_by_axis(points: NDArray[np.generic], dtype: np.dtype | None = None) -> Floats:
+    """(e,) size of what rounding may have done to each coordinate, in its unit."""
     kind = np.dtype(dtype or points.dtype)
     eps = np.finfo(kind).eps if kind.kind == "f" else np.finfo(np.float64).eps
-    return float(ROUNDINGS * eps * np.abs(points).max(initial=0.0))
+    return ROUNDINGS * eps * np.abs(points.astype(np.float64)).max(axis=0, initial=0.0)
 
 
-def plane_frame(points: Floats, tolerance: float) -> Floats | None:
-    """Two orthonormal directions (2, 3) of the plane that holds (n, 3) points, or None if none does.
+def rounding(points: NDArray[np.generic], dtype: np.dtype | None = None) -> float:
+    """Size of what rounding may have done to any coordinate, in its unit."""
+    return float(roundings_by_axis(points, dtype).max(initial=0.0))
 
-    Planes normal to an axis keep the other two coordinates exactly, in order. Otherwise the axis nearest to
-    the normal is dropped and the other two are projected into the plane and made orthonormal, in order.
+
+def plane_of(points: Floats, tolerance: Floats) -> Plane | None:
+    """The plane that holds (n, 3) points, or None if they differ from every plane by more than rounding.
+
+    Planes normal to an axis keep the other two coordinates exactly, in order. Otherwise the axis nearest to the normal
+    is dropped and the other two are projected into the plane and made orthonormal, in order. The plane is a function
+    of the points, not of their order.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+    tolerance : (3,) float
+        What rounding may have done to each coordinate.
     """
-    constant = np.flatnonzero(np.ptp(points, axis=0) <= tolerance)
-    if len(constant):
-        return np.delete(np.eye(3), constant[0], axis=0)
-    moved, tolerance = _unit_size(points - points[np.argmin(points[:, 0])], tolerance)
-    normal = _widest_normal(moved)
-    if normal is None or np.ptp(dot(moved, normal)) > tolerance:
+    span = np.ptp(points, axis=0)
+    if (span <= tolerance).any():
+        axis = int(np.argmin(np.where(span <= tolerance, span, np.inf)))
+        origin = np.zeros(3)
+        origin[axis] = points[:, axis].min()
+        return Plane(origin, np.delete(np.eye(3), axis, axis=0))
+    if not _is_flat(points, tolerance):
         return None
+    ranked = points[np.lexsort(points.T[::-1])]
+    normal = _widest_normal(ranked)
     first, second = np.delete(np.eye(3), np.argmax(np.abs(normal)), axis=0)
     u = _unit(first - normal * dot(first, normal))
     v = second - normal * dot(second, normal)
-    return np.stack([u, _unit(v - u * dot(v, u))])
+    return Plane(ranked[0], np.stack([u, _unit(v - u * dot(v, u))]))
 
 
-def on_one_line(points: Floats, tolerance: float) -> bool:
-    """Whether all (n, 2) or (n, 3) points lie on one line."""
-    space = np.zeros((len(points), 3))
-    moved, tolerance = _unit_size(points - points[np.argmin(points[:, 0])], tolerance)
-    space[:, : points.shape[1]] = moved
-    far = space[np.argmax(dot(space, space))]
-    across = np.cross(space, _unit(far)) if far.any() else space
-    return bool(np.sqrt(dot(across, across).max()) <= tolerance)
+def _is_flat(points: Floats, tolerance: Floats) -> bool:
+    normal = _widest_normal(points)
+    distance = dot(points - points[0], normal)
+    return bool(np.ptp(distance) <= dot(np.abs(normal), tolerance))
 
 
-def _unit_size(moved: Floats, tolerance: float) -> tuple[Floats, float]:
-    """Both divided by a power of two near the largest coordinate, so that products stay finite in every unit."""
-    exponent = int(np.frexp(np.abs(moved).max(initial=0.0))[1])
-    return np.ldexp(moved, -exponent), float(np.ldexp(tolerance, -exponent))
+def _widest_normal(points: Floats) -> Floats:
+    """Unit normal of the plane through the first point, the farthest from it and the farthest from their line.
 
-
-def _widest_normal(moved: Floats) -> Floats | None:
-    """Unit normal of the plane through the origin, the farthest point and the point farthest from their line."""
-    far = moved[np.argmax(dot(moved, moved))]
+    Points on one line have many; any is given.
+    """
+    moved = _unit_size(points - points[0])
+    far = _unit(moved[np.argmax(dot(moved, moved))])
     across = np.cross(moved, far)
-    normal = np.cross(moved[np.argmax(dot(across, across))], far)
-    return _unit(normal) if normal.any() else None
+    normal = across[np.argmax(dot(across, across))]
+    return _unit(normal) if normal.any() else _unit(np.cross(far, np.eye(3)[np.argmin(np.abs(far))]))
+
+
+def _unit_size(moved: Floats) -> Floats:
+    """Divided by a power of two near the largest coordinate, so that products stay finite in every unit."""
+    return np.ldexp(moved, -int(np.frexp(np.abs(moved).max(initial=0.0))[1]))
+
+
+def on_one_line(coordinates: Floats, tolerance: float) -> bool:
+    """Whether all (n, 2) points lie on one line, up to `tolerance`."""
+    moved = coordinates - coordinates[0]
+    far = moved[np.argmax((_unit_size(moved) ** 2).sum(axis=1))]
+    far = far / np.hypot(*far)
+    return bool(np.ptp(moved[:, 0] * far[1] - moved[:, 1] * far[0]) <= tolerance)
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -76,20 +124,19 @@ def _unit(vector: Floats) -> Floats:
     return vector / np.sqrt(dot(vector, vector))
 
 
-def plane_coordinates(points: Floats, tolerance: float | None = None) -> Floats:
-    """(n, 2) coordinates of coplanar (n, 3) points in their plane.
+def plane_of_mesh(points: Floats) -> Plane:
+    """The plane of a mesh of triangles in space, its (n, 3) points stored in double or in single precision.
 
     Raises
     ------
     InputError
         When the points do not lie in one plane.
     """
-    # meshes reach us in single precision as a rule, so that is what flatness is judged by
-    allowed = rounding(points, np.dtype(np.float32)) if tolerance is None else tolerance
-    frame = plane_frame(points, allowed) if len(points) else np.eye(3)[:2]
-    if frame is None:
-        raise InputError(
-            "expected triangles in one plane, got triangles that bend in space; "
-            "triangulate the points into tetrahedra first (DelaunayMesh)."
-        )
-    return np.stack([dot(points, direction) for direction in frame], axis=1)
+    for kind in (np.float64, np.float32):
+        plane = plane_of(points, roundings_by_axis(points, np.dtype(kind)))
+        if plane is not None:
+            return plane
+    raise InputError(
+        "expected triangles in one plane, got triangles that bend in space; "
+        "triangulate the points into tetrahedra first (DelaunayMesh)."
+    )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.plane import on_one_line, plane_coordinates, plane_frame, rounding
+from tetraskel.kernels.plane import on_one_line, plane_of, plane_of_mesh, roundings_by_axis
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,14 +29,14 @@ class DistinctPoints:
         Input id of each.
     point_map : (n_input,) int
         For every input point its row in `points`.
-    roundoff : float
-        What rounding may have done to the input's coordinates, in their unit.
+    roundoff : (e,) float
+        What rounding may have done to each of the input's coordinates, in their unit.
     """
 
     points: Floats
     original_ids: Ints
     point_map: Ints
-    roundoff: float
+    roundoff: Floats
 
 
 def distinct_points(points: ArrayLike) -> DistinctPoints:
@@ -71,10 +71,10 @@ def distinct_points(points: ArrayLike) -> DistinctPoints:
             "larger values; remove these points first."
         )
     whole += 0.0  # -0.0 and 0.0 are one place
-    return _merge_equal(whole, rounding(given))
+    return _merge_equal(whole, roundings_by_axis(given))
 
 
-def _merge_equal(points: Floats, roundoff: float) -> DistinctPoints:
+def _merge_equal(points: Floats, roundoff: Floats) -> DistinctPoints:
     order = lexicographic_order(points)
     ranked = points[order]
     new = np.ones(len(points), bool)
@@ -148,8 +148,8 @@ def full_dimensional(distinct: DistinctPoints) -> Floats:
             + (f" after merging {merged} duplicates" if merged else "")
             + "; a triangulation needs more."
         )
-    flat = points.shape[1] == 3 and plane_frame(points, distinct.roundoff) is not None
-    coordinates = plane_coordinates(points) if flat else points
-    if on_one_line(coordinates, distinct.roundoff):
+    flat = points.shape[1] == 3 and plane_of(points, distinct.roundoff) is not None
+    coordinates = plane_of_mesh(points).project(points) if flat else points
+    if coordinates.shape[1] == 2 and on_one_line(coordinates, float(distinct.roundoff.max())):
         raise InputError(f"expected points that span a plane or space, got {n} points on one line.")
     return coordinates

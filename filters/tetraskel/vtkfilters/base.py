@@ -106,10 +106,10 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
                 self._last_error = None
                 self.options(**self._values)  # the setters ParaView calls do not raise; here the error has one line
             return super().ProcessRequest(request, inInfo, outInfo)
-        except Exception as error:
+        except (Exception, KeyboardInterrupt) as error:  # VTK would lose an interrupt; run() raises it again
             self._last_error = error
             self._empty_outputs(outInfo)
-            if isinstance(error, Aborted):
+            if isinstance(error, (Aborted, KeyboardInterrupt)):
                 return 1
             self._print_error(error)
             return 0

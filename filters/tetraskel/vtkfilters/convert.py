@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkDataArray, vtkIdList, vtkPoints, vtkStringArray
+from vtkmodules.vtkCommonCore import vtkBitArray, vtkDataArray, vtkIdList, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import (
     VTK_TETRA,
     VTK_TRIANGLE,
@@ -94,7 +94,7 @@ def copy_rows(source, target, rows: np.ndarray, skip: tuple[str, ...] = ()) -> N
         array = source.GetAbstractArray(k)
         if array is None or not array.GetName() or array.GetName() in skip:
             continue
-        if isinstance(array, vtkDataArray):
+        if isinstance(array, vtkDataArray) and not isinstance(array, vtkBitArray):
             picked = array.NewInstance()
             picked.DeepCopy(numpy_to_vtk(np.ascontiguousarray(vtk_to_numpy(array)[rows])))
         else:
@@ -153,9 +153,9 @@ def simplices_of(data: vtkPointSet) -> np.ndarray:
     """
     if data.GetNumberOfCells() == 0:
         return np.empty((0, 4), np.int64)
-    cells = data.GetPolys() if isinstance(data, vtkPolyData) else data.GetCells()
     for dim, cell_type in CELL_TYPE.items():
-        if _all_of(data, cells, cell_type):
+        if isinstance(data, (vtkPolyData, vtkUnstructuredGrid)) and _all_of(data, cell_type):
+            cells = data.GetPolys() if isinstance(data, vtkPolyData) else data.GetCells()
             return vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, dim + 1)
     raise MeshError(
         f"expected a mesh of tetrahedra only, or of triangles only, got {_count_by_type(data)}; "
@@ -175,18 +175,24 @@ def segments_of(cells: vtkCellArray, *, closed: bool) -> np.ndarray:
     return np.stack([ids, ids[after]], axis=1)[keep].astype(np.int64)
 
 
-def _all_of(data: vtkPointSet, cells: vtkCellArray, cell_type: int) -> bool:
+def _all_of(data: vtkPointSet, cell_type: int) -> bool:
     """Whether all cells are of one type, without looking at each."""
     if data.GetCellType(0) != cell_type:
         return False
     if isinstance(data, vtkUnstructuredGrid):
         return bool(data.IsHomogeneous())
+    cells = data.GetPolys()
     return cells.GetNumberOfCells() == data.GetNumberOfCells() and cells.IsHomogeneous() == 3
 
 
 def _count_by_type(data: vtkPointSet) -> str:
     """Say how many cells there are of each type, plainly: `vtkHexahedron` is "hexahedron"."""
-    counts = Counter(data.GetCellType(k) for k in range(data.GetNumberOfCells()))
-    example = {data.GetCellType(k): k for k in range(data.GetNumberOfCells())}
-    names = {kind: data.GetCell(k).GetClassName().removeprefix("vtk").lower() for kind, k in example.items()}
-    return ", ".join(f"{count} of type {names[kind]}" for kind, count in sorted(counts.items()))
+    kinds = [data.GetCellType(k) for k in range(data.GetNumberOfCells())]
+    names = {kind: data.GetCell(k).GetClassName().removeprefix("vtk").lower() for k, kind in _first_of_each(kinds)}
+    return ", ".join(f"{count} of type {names[kind]}" for kind, count in sorted(Counter(kinds).items()))
+
+
+def _first_of_each(kinds: list[int]) -> list[tuple[int, int]]:
+    """(position, kind) of the first cell of each kind."""
+    values, first = np.unique(kinds, return_index=True)
+    return list(zip(first.tolist(), values.tolist(), strict=True))

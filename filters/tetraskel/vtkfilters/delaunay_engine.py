@@ -27,13 +27,30 @@ def delaunay(points, tick):
     engine.SetInputData(cloud)
     engine.SetTolerance(TOLERANCE)
     engine.SetOffset(OFFSET)
-    engine.AddObserver("ProgressEvent", lambda *_: tick(engine.GetProgress()))
+    stopped = _tell(engine, tick)
     engine.Update()
+    if stopped:
+        raise stopped[0]
     simplices = simplices_of(engine.GetOutput())
     if len(simplices) == 0:
         raise EngineError(f"VTK's Delaunay found no simplex in {len(points)} points; use the qhull engine.")
     simplices = simplices.astype(np.int32)
     return simplices, facet_neighbors(simplices), _stands_for(points, simplices)
+
+
+def _tell(engine, tick):
+    """Pass VTK's progress on; what `tick` raises is kept, because VTK would lose it, and the engine is stopped."""
+    stopped = []
+
+    def told(*_):
+        try:
+            tick(engine.GetProgress())
+        except BaseException as error:
+            stopped.append(error)
+            engine.SetAbortExecute(1)
+
+    engine.AddObserver("ProgressEvent", told)
+    return stopped
 
 
 def _stands_for(points, simplices):

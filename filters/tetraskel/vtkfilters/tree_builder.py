@@ -9,7 +9,7 @@ from tetraskel.kernels.quality import qualities
 from tetraskel.kernels.tree import build_tree
 from tetraskel.options import TreeOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, copy_rows, mesh_of
+from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, mesh_of
 from tetraskel.vtkfilters.treedata import fill_tree
 
 
@@ -17,7 +17,8 @@ class TreeBuilder(SkeletonFilter):
     """A mesh of tetrahedra or of triangles to the tree of its cells: nodes as points, lines from parent to son.
 
     The mesh may come from DelaunayMesh or from anywhere; a mesh in pieces gives a tree per piece. The mesh's cell
-    arrays become point arrays of the nodes.
+    arrays become point arrays of the nodes. ApexId and EntryFacet number the mesh's points; the field array
+    OriginalPointIds, if the mesh has one, leads from these to the input's.
     """
 
     options = TreeOptions
@@ -33,6 +34,9 @@ class TreeBuilder(SkeletonFilter):
         copy_rows(source.GetCellData(), output.GetPointData(), tree.cell, tuple(_own_arrays(output)))
         add_arrays(output.GetPointData(), self._node_arrays(tree))
         output.GetFieldData().PassData(source.GetFieldData())
+        original = array_of(source.GetPointData(), "OriginalPointIds")
+        if original is not None:
+            add_arrays(output.GetFieldData(), {"OriginalPointIds": original})
 
     def _node_arrays(self, tree):
         quality = qualities(tree.mesh, self.tick("Measuring the cells", 0.7, 0.8))
@@ -41,7 +45,6 @@ class TreeBuilder(SkeletonFilter):
             "CellId": tree.cell.astype(np.int64),
             "ApexId": tree.apex.astype(np.int64),
             "EntryFacet": tree.entry_facet.astype(np.int64),
-            "EntryIndex": tree.entry,
             "Quality": quality[tree.cell],
             "Radius": radius[tree.cell],
             "ContainsCircumcentre": contains[tree.cell],
