@@ -106,6 +106,27 @@ def test_contraction_is_the_definition(case):
         assert forest.depth[node] == (0 if above < 0 else forest.depth[above] + 1)
 
 
+def test_contraction_of_a_depth_first_tree_is_the_definition():
+    tree = build_tree(triangulate(np.random.default_rng(3).random((80, 3))), traversal="depth")
+    flat = np.random.default_rng(4).random(len(tree)) < 0.5
+    flat[0] = True
+    sons, roots = contracted(tree.parent.tolist(), flat.tolist())
+    forest, kept = contract(tree.forest, flat, "depth")
+    assert {int(kept[n]): [int(kept[s]) for s in below] for n, below in ordered_sons(forest).items()} == sons
+    assert kept[forest.roots].tolist() == roots
+    visited, todo = [], [0]
+    while todo:
+        visited.append(todo.pop())
+        todo += ordered_sons(forest)[visited[-1]][::-1]
+    assert visited == list(range(len(forest)))
+
+
+def test_quality_equal_to_the_threshold_is_kept():
+    tree = build_tree(triangulate(BOX))
+    quality = qualities(tree.mesh)
+    assert len(remove_flat(tree, threshold=float(quality.min()))) == len(tree)
+
+
 @pytest.mark.parametrize("traversal", ["breadth", "depth"])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_nothing_but_flat_nodes_disappears(dim, traversal):

@@ -39,6 +39,12 @@ def test_branches_of_a_small_tree():
     assert branches(bare) == [[0, 1], [1, 2], [1, 3, 5]]
 
 
+def test_lengths_of_branches():
+    points = np.array([[0, 0, 0], [3, 4, 0], [3, 4, 2], [9, 9, 9], [3, 4, 5]], float)
+    skeleton = skeleton_of(forest([-1, 0, 1, 1, 2]), points, keep_leaves=True)
+    assert skeleton.branch_lengths == pytest.approx([5, 5, np.sqrt(36 + 25 + 81)])
+
+
 def test_a_single_node_is_a_skeleton():
     alone = skeleton_of(forest([-1]), np.zeros((1, 3)))
     assert len(alone.points) == 1

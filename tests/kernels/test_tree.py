@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import comb
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paths import SAMPLES
 from reference import Reference
 from tetraskel import (
     InputError,
@@ -21,6 +23,7 @@ from tetraskel import (
     triangulate,
     triangulation_of,
 )
+from tetraskel.kernels.forest import MANY_LEVELS
 
 TRAVERSALS = ["breadth", "depth"]
 
@@ -85,6 +88,69 @@ def test_equals_queue_on_pieces(dim, traversal):
     pieces = triangulation_of(points, cells)
     assert build_tree(pieces).tree_id.max() > 3
     assert_equals_reference(pieces, traversal)
+
+
+SMALL_SAMPLES = ["rectangle8.csv", "polygon.csv", "cloud20.csv"]
+
+
+@pytest.mark.parametrize("traversal", TRAVERSALS)
+@pytest.mark.parametrize("name", SMALL_SAMPLES)
+def test_equals_queue_on_the_samples(name, traversal):
+    points = np.loadtxt(SAMPLES / name, delimiter=",", skiprows=1)
+    assert_equals_reference(triangulate(points), traversal)
+    assert_equals_reference(triangulate(points, joggle=1e-6), traversal)
+
+
+@pytest.mark.parametrize("traversal", TRAVERSALS)
+def test_equals_queue_on_the_displaced_box(traversal):
+    box = np.array([[x, y, z] for x in (0, 3) for y in (0, 2) for z in (0, 1)], float)
+    assert_equals_reference(triangulate(box, joggle=1e-6), traversal)
+
+
+@pytest.mark.parametrize("cloud", ["lattice", "thin"])
+def test_order_of_vertices_in_a_simplex_does_not_matter(cloud):
+    rng = np.random.default_rng(2)
+    points = np.stack(np.meshgrid(*[np.arange(4.0)] * 3), -1).reshape(-1, 3) / 3
+    if cloud == "thin":
+        points = rng.random((60, 3)) * [1, 1, 1e-7]
+    mesh = triangulate(points)
+    turn = np.argsort(rng.random(mesh.simplices.shape), axis=1)
+    turned = replace(
+        mesh,
+        simplices=np.take_along_axis(mesh.simplices, turn, axis=1),
+        neighbors=np.take_along_axis(mesh.neighbors, turn, axis=1),
+    )
+    assert_equals_reference(turned, "breadth")
+
+
+def mesh_of_tetrahedra(*corners):
+    """Separate tetrahedra, each by its four corners."""
+    return triangulation_of(np.concatenate(corners), np.arange(4 * len(corners)).reshape(-1, 4))
+
+
+def test_roots_with_equal_and_almost_equal_barycentres():
+    base = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    ulp = np.nextafter(1, 2) - 1
+    for shift in ([0, 5, 0], [0, 0, 5], [0, 0, 0], [ulp, 5, 0], [-ulp, 5, 0], [0, -5, 0]):
+        assert_equals_reference(mesh_of_tetrahedra(base, base + shift), "breadth")
+    third = np.array([0.1, 0.2, 0.3])  # equal sums in another order, rounded otherwise
+    for k in range(3):
+        sums = np.array([np.roll(third, k), np.roll(third, k + 1), np.roll(third, k + 2)])
+        tetrahedron = np.concatenate([sums.T, [[1, 1, 1]]])
+        assert_equals_reference(mesh_of_tetrahedra(tetrahedron, tetrahedron + [0, 7, 0]), "breadth")
+
+
+def strip(n):
+    """A strip of n triangles in a row."""
+    points = np.stack([np.arange(n + 2) / 2, np.arange(n + 2) % 2], axis=1)
+    return triangulation_of(points, np.stack([np.arange(n), np.arange(1, n + 1), np.arange(2, n + 2)], axis=1))
+
+
+@pytest.mark.parametrize("traversal", TRAVERSALS)
+def test_a_path_of_many_levels(traversal):
+    tree = build_tree(strip(MANY_LEVELS + 5), traversal=traversal)
+    assert tree.depth.max() == MANY_LEVELS + 4
+    assert_counts(tree)
 
 
 def test_equals_queue_on_uniform_cloud():

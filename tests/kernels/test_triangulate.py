@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 from tetraskel import EngineError, InputError, MeshError, triangulate, triangulation_of
 from tetraskel.kernels import triangulate as module
+from tetraskel.kernels.adjacency import is_mesh
 from tetraskel.kernels.quality import volumes
 
 
@@ -114,6 +115,81 @@ def test_planes_normal_to_an_axis_keep_the_other_coordinates(axis):
     assert np.array_equal(triangulate(flat).coordinates, np.delete(flat, axis, axis=1))
 
 
+@pytest.mark.parametrize("offset", [(4.6e6, 5e5, 0), (4.6e6, 5e5, 100), (1e9, -1e9, 1e9)])
+@pytest.mark.parametrize("extent", [5, 200])
+@pytest.mark.parametrize("angle", [0, 0.3, np.pi / 4])
+def test_planes_far_from_the_origin(offset, extent, angle):
+    flat = np.zeros((90, 3))
+    flat[:, :2] = np.random.default_rng(0).random((90, 2)) * [extent, 5]
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    mesh = triangulate(flat @ turn.T + offset)
+    assert {frozenset(s) for s in mesh.simplices.tolist()} == {
+        frozenset(s) for s in triangulate(flat[:, :2]).simplices.tolist()
+    }
+
+
+def test_single_precision_far_from_the_origin_keeps_an_exact_height():
+    building = np.random.default_rng(1).random((100, 3)) * [500, 500, 5] + [4.6e6, 5e5, 0]
+    assert triangulate(building.astype(np.float32)).dim == 3
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_order_of_points_does_not_matter_on_tilted_lattices(seed):
+    rng = np.random.default_rng(seed)
+    lattice = np.zeros((49, 3))
+    lattice[:, :2] = np.stack(np.meshgrid(np.arange(7.0), np.arange(7.0)), -1).reshape(-1, 2)
+    tilted = lattice @ np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    shuffle = rng.permutation(len(tilted))
+    one, other = triangulate(tilted), triangulate(tilted[shuffle])
+    assert np.array_equal(shuffle[other.simplices], one.simplices)
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1e-11, 1e-12, 1e-13, 1e-15])
+@pytest.mark.parametrize("seed", range(4))
+def test_almost_coincident_points_give_a_mesh_all_the_same(gap, seed):
+    rng = np.random.default_rng(seed)
+    points = rng.random((60, 3))
+    close = np.concatenate([points, points + gap * rng.normal(size=points.shape)])
+    mesh = triangulate(close)
+    assert np.array_equal(triangulation_of(mesh.points, mesh.simplices).neighbors, mesh.neighbors)
+    assert np.abs(mesh.points[mesh.point_map] - close).max() <= 1e-5
+    assert set(mesh.simplices.ravel()) == set(range(len(mesh.points)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_clumps_and_noisy_lattices_give_a_mesh(seed):
+    rng = np.random.default_rng(seed)
+    clump = np.concatenate([rng.random((40, 3)), 0.5 + 1e-6 * rng.random((60, 3))])
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3) + 1e-13 * rng.normal(size=(125, 3))
+    for points in (clump, lattice):
+        mesh = triangulate(points)
+        assert np.array_equal(triangulation_of(mesh.points, mesh.simplices).neighbors, mesh.neighbors)
+
+
+def test_a_slab_too_thin_for_qhull_is_one_clear_error():
+    slab = np.random.default_rng(2).random((60, 3)) * [1, 1, 1e-13]
+    with pytest.raises(EngineError, match="almost lie in a plane"):
+        triangulate(slab)
+
+
+def test_what_is_no_mesh_is_recognised():
+    mesh = triangulate(np.random.default_rng(8).random((50, 3)))
+    assert is_mesh(mesh.simplices, mesh.neighbors)
+    wrong = mesh.neighbors.copy()
+    wrong[3, 0], wrong[3, 1] = wrong[3, 1], wrong[3, 0]
+    assert not is_mesh(mesh.simplices, wrong)
+    doubled = np.concatenate([mesh.simplices, mesh.simplices])
+    shifted = np.where(mesh.neighbors < 0, -1, mesh.neighbors + len(mesh))
+    assert not is_mesh(doubled, np.concatenate([mesh.neighbors, shifted]))
+
+
+def test_joggle_is_a_share_of_the_diagonal():
+    points = np.random.default_rng(9).random((2000, 3)) * [1, 2, 2]
+    moved = module._displacements(points, 1e-3)
+    assert np.abs(moved).max() == pytest.approx(3e-3, rel=1e-2)
+    assert np.abs(moved.mean(axis=0)).max() < 2e-4
+
+
 def test_a_thin_slab_is_not_a_plane():
     slab = np.random.default_rng(6).random((60, 3)) * [1, 1, 1e-9]
     assert triangulate(slab).dim == 3
@@ -190,7 +266,10 @@ def test_a_missing_engine_is_named(monkeypatch):
         ([[0, 1, 2], [0, 1, 3], [0, 1, 4]], "facets shared by at most two"),
         ([[0, 1, 1]], "use a point twice"),
         ([[0, 1, 9]], "expected point ids from 0 to 4, got 0 to 9"),
-        ([[0, 1]], "shape"),
+        ([[0, 1]], r"of shape \(m, 3\), got shape \(1, 2\)"),
+        ([[0, 1, 2, 3]], r"of shape \(m, 3\), got shape \(1, 4\)"),
+        ([[0, 1, 2.5]], "point ids as whole numbers"),
+        ([[0, 1, 2**32 + 3]], "got 0 to 4294967299"),
     ],
 )
 def test_unusable_meshes_are_refused(simplices, message):
@@ -206,5 +285,5 @@ def test_a_surface_that_bends_is_not_a_mesh_of_triangles():
 
 
 def test_given_mesh_with_nan_is_refused():
-    with pytest.raises(MeshError, match="finite"):
+    with pytest.raises(InputError, match="got 1 of 3 points with NaN"):
         triangulation_of([[0, 0], [1, 0], [0, np.nan]], [[0, 1, 2]])

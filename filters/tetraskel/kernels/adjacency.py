@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import MeshError
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.points import finite_points
 
 Ints = NDArray[np.integer]
 
@@ -35,6 +36,25 @@ def facet_neighbors(simplices: Ints) -> NDArray[np.int32]:
     neighbors = np.full(m * width, -1, np.int32)
     neighbors[left], neighbors[right] = right // width, left // width
     return neighbors.reshape(m, width)
+
+
+def is_mesh(simplices: Ints, neighbors: Ints) -> bool:
+    """Whether neighbours are mutual across common facets, and no facet belongs to more than two simplices.
+
+    Strategy: with the facet sums of `facet_neighbors`, what one simplex of a pair says of their facet must add up to
+    what the other says, and among the facets of the lower simplex of each pair no sum may come twice.
+    """
+    m = len(simplices)
+    numbers = _scramble(simplices.astype(np.uint64))
+    keys = numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers
+    cells = np.broadcast_to(np.arange(m)[:, None], neighbors.shape)
+    lower, upper = neighbors > cells, (neighbors >= 0) & (neighbors < cells)
+    low_says = keys[lower] + _scramble((cells[lower] * np.uint64(m) + neighbors[lower]).astype(np.uint64))
+    high_says = keys[upper] + _scramble((neighbors[upper] * np.uint64(m) + cells[upper]).astype(np.uint64))
+    if low_says.sum(dtype=np.uint64) != high_says.sum(dtype=np.uint64):
+        return False
+    ordered = np.sort(keys[lower])
+    return not bool((ordered[1:] == ordered[:-1]).any())
 
 
 def _scramble(ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
@@ -79,16 +99,23 @@ def triangulation_of(points: ArrayLike, simplices: ArrayLike) -> Triangulation:
 
     Raises
     ------
+    InputError
+        For points that are not finite numbers.
     MeshError
         For ids out of range, points used twice in a simplex, or facets shared by more than two simplices.
     """
-    coordinates = np.array(points, dtype=np.float64, order="C")
-    cells = np.array(simplices, dtype=np.int32, order="C")
-    if cells.ndim != 2 or cells.shape[1] not in (3, 4):
-        raise MeshError(f"expected simplices as an array of shape (m, 3) or (m, 4), got shape {cells.shape}.")
+    coordinates = finite_points(points)
+    cells = np.asarray(simplices)
+    if cells.size == 0 and cells.ndim < 2:
+        cells = np.empty((0, coordinates.shape[1] + 1), np.int32)
+    widths = (3, 4) if coordinates.shape[1] == 3 else (3,)
+    if cells.ndim != 2 or cells.shape[1] not in widths:
+        wanted = " or ".join(f"(m, {width})" for width in widths)
+        raise MeshError(f"expected simplices as an array of shape {wanted}, got shape {cells.shape}.")
+    if cells.dtype.kind not in "iu":
+        raise MeshError(f"expected point ids as whole numbers, got an array of type {cells.dtype}.")
     if len(cells) and not 0 <= cells.min() <= cells.max() < len(coordinates):
         raise MeshError(f"expected point ids from 0 to {len(coordinates) - 1}, got {cells.min()} to {cells.max()}.")
-    if not np.isfinite(coordinates).all():
-        raise MeshError("expected finite coordinates, got NaN or infinity; clean the mesh.")
+    cells = np.array(cells, dtype=np.int32, order="C")
     ids = np.arange(len(coordinates))
     return Triangulation(coordinates, cells, facet_neighbors(cells), ids, ids)

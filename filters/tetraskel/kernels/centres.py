@@ -71,22 +71,25 @@ def _facet_size(corners: Floats) -> Floats:
 
 
 def circumscribed_weights(mesh: Triangulation) -> Floats:
-    """(m, d+1) barycentric coordinates of the circumcentres; a flat simplex gets those of its barycentre.
+    """(m, d+1) barycentric coordinates of the circumcentres; a flat simplex gets those of its barycentre."""
+    corners = mesh.coordinates[mesh.simplices]
+    return _circumscribed(corners[:, 1:] - corners[:, :1])[1]
 
-    The circumcentre c = p0 + x solves (pi - p0) . x = |pi - p0|^2 / 2; Cramer's rule gives x, and the same linear map
-    its barycentric coordinates. All are non-negative where the simplex contains its circumcentre.
+
+def _circumscribed(edges: Floats) -> tuple[Floats, Floats]:
+    """Circumcentres (m, d) relative to the first vertex, and their barycentric coordinates (m, d+1).
+
+    The circumcentre c = p0 + x solves (pi - p0) . x = |pi - p0|^2 / 2; Cramer's rule gives the barycentric coordinates.
+    All are non-negative where the simplex contains its circumcentre.
     """
-    edges = mesh.coordinates[mesh.simplices]
-    edges = edges[:, 1:] - edges[:, :1]
     centre = circumcentre_offsets(edges)
     columns = [list(row) for row in np.moveaxis(edges, 0, -1)]  # [vertex][axis] -> (m,)
-    whole = determinant(columns)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        parts = [determinant([*columns[:k], list(centre.T), *columns[k + 1 :]]) / whole for k in range(mesh.dim)]
+    whole, dim = determinant(columns), len(columns)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        parts = [determinant([*columns[:k], list(centre.T), *columns[k + 1 :]]) / whole for k in range(dim)]
         weights = np.stack([1 - _sum(np.stack(parts)), *parts], axis=1)
-    flat = ~np.isfinite(weights).all(axis=1)
-    weights[flat] = 1 / (mesh.dim + 1)
-    return weights
+    weights[~np.isfinite(weights).all(axis=1)] = 1 / (dim + 1)
+    return centre, weights
 
 
 def circumcentre_offsets(edges: Floats) -> Floats:
@@ -108,16 +111,15 @@ def circumballs(mesh: Triangulation, tick: Tick = silent) -> tuple[Floats, Bools
     A flat simplex has an infinite radius and contains nothing.
     """
     radii, inside = np.empty(len(mesh)), np.empty(len(mesh), bool)
+    coordinates = mesh.coordinates
 
     def measure(piece: slice) -> None:
-        edges = mesh.coordinates[mesh.simplices[piece]]
-        edges = edges[:, 1:] - edges[:, :1]
-        offsets = circumcentre_offsets(edges)
+        corners = coordinates[mesh.simplices[piece]]
+        offsets, weights = _circumscribed(corners[:, 1:] - corners[:, :1])
         with np.errstate(invalid="ignore", over="ignore"):
             radius = np.sqrt((offsets**2).sum(axis=1))
         radii[piece] = np.where(np.isfinite(radius), radius, np.inf)
-        part = Triangulation(mesh.points, mesh.simplices[piece], mesh.neighbors[piece])
-        inside[piece] = np.isfinite(radius) & (circumscribed_weights(part) >= 0).all(axis=1)
+        inside[piece] = np.isfinite(radius) & (weights >= 0).all(axis=1)
 
     for_chunks(measure, len(mesh), tick)
     return radii, inside

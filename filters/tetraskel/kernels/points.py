@@ -40,7 +40,13 @@ class DistinctPoints:
 
 
 def distinct_points(points: ArrayLike) -> DistinctPoints:
-    """Check a cloud and merge points that are equal.
+    """Check a cloud (see `finite_points`) and merge points that are equal."""
+    whole = finite_points(points)
+    return _merge_equal(whole, roundings_by_axis(whole, np.asarray(points).dtype))
+
+
+def finite_points(points: ArrayLike) -> Floats:
+    """A cloud as a new array of doubles.
 
     Parameters
     ----------
@@ -70,8 +76,7 @@ def distinct_points(points: ArrayLike) -> DistinctPoints:
             f"expected finite coordinates below {LARGEST:g}, got {bad} of {len(whole)} points with NaN, infinity or "
             "larger values; remove these points first."
         )
-    whole += 0.0  # -0.0 and 0.0 are one place
-    return _merge_equal(whole, roundings_by_axis(given))
+    return whole + 0.0  # -0.0 and 0.0 are one place
 
 
 def _merge_equal(points: Floats, roundoff: Floats) -> DistinctPoints:

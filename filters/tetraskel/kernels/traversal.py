@@ -6,6 +6,7 @@ first follows the first son to its end, a node at a time.
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
 
 import numpy as np
@@ -104,29 +105,31 @@ def walk_depth_first(
     neighbors: Ints, codes: NDArray[np.uint8], root_cells: Ints, root_entries: Entries, tick: Tick = silent
 ) -> Walk:
     """Every node reached from the roots, root after root, first sons first."""
-    crossings = CROSSINGS[neighbors.shape[1] - 1].tolist()
-    across, code = neighbors.tolist(), codes.tolist()
-    free = [True] * len(across)
-    cells: list[int] = []
-    entries: list[int] = []
-    parents: list[int] = []
-    depths: list[int] = []
+    n, width = neighbors.shape
+    crossings = CROSSINGS[width - 1].tolist()
+    across = np.ascontiguousarray(neighbors, np.int32).ravel().data
+    code = np.ascontiguousarray(codes).data
+    free = bytearray(b"\x01") * n
+    cells, parents, depths = array("i"), array("i"), array("i")
+    entries = bytearray()
     for root in zip(root_cells.tolist(), root_entries.tolist(), strict=True):
         stack = [(*root, -1, 0)]
         while stack:
             cell, entry, parent, depth = stack.pop()
             if not free[cell]:
                 continue
-            free[cell] = False
+            free[cell] = 0
             node = len(cells)
-            for column, value in zip((cells, entries, parents, depths), (cell, entry, parent, depth), strict=True):
-                column.append(value)
+            cells.append(cell)
+            entries.append(entry)
+            parents.append(parent)
+            depths.append(depth)
             for facet in reversed(crossings[code[cell]][entry]):
-                ahead = across[cell][facet]
+                ahead = across[cell * width + facet]
                 if ahead >= 0 and free[ahead]:
-                    stack.append((ahead, across[ahead].index(cell), node, depth + 1))
+                    back = across[ahead * width : (ahead + 1) * width].tolist().index(cell)
+                    stack.append((ahead, back, node, depth + 1))
             if node % 65536 == 0:
-                tick(node / len(across))
-    return Walk(
-        np.array(cells, np.int32), np.array(entries, np.uint8), np.array(parents, np.int32), np.array(depths, np.int32)
-    )
+                tick(node / n)
+    cell_of, parent_of, depth_of = (np.array(column, np.int32) for column in (cells, parents, depths))
+    return Walk(cell_of, np.array(entries, np.uint8), parent_of, depth_of)
