@@ -13,11 +13,11 @@ import pyvista as pv
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from shapes import Shape, torus, vessel
-
 from tetraskel import interior, triangulate
 
 
 def cut(shape: Shape, n: int) -> tuple[pv.PolyData, np.ndarray]:
+    """The section of the triangulation of n random points with y = 0, and the points."""
     mesh = triangulate(shape.sample(n, np.random.default_rng(0)))
     cells = np.c_[np.full(len(mesh), 4), mesh.simplices].ravel()
     grid = pv.UnstructuredGrid(cells, np.full(len(mesh), pv.CellType.TETRA), mesh.points)
@@ -26,10 +26,11 @@ def cut(shape: Shape, n: int) -> tuple[pv.PolyData, np.ndarray]:
 
 
 def main(out: str) -> None:
+    """Draw both cuts side by side."""
     plotter = pv.Plotter(off_screen=True, shape=(1, 2), window_size=(1100, 520), border=False)
-    for column, (shape, n) in enumerate([(torus(), 10_000), (vessel(), 10_000)]):
+    for column, shape in enumerate([torus(), vessel()]):
         plotter.subplot(0, column)
-        section, points = cut(shape, n)
+        section, points = cut(shape, 10_000)
         behind = points[points[:, 1] > 0] + [0, 5, 0]  # drawn first, behind the cut
         plotter.add_points(behind, color="#44546a", point_size=2)
         plotter.add_mesh(section, scalars="inside", cmap=["#dfe3e8", "#e07b39"], show_scalar_bar=False,

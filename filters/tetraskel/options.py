@@ -136,6 +136,7 @@ class InteriorOptions(Options):
         "matters where the sampling is denser than the object is thick; larger values demand a denser sampling.",
         unit="room radius / door width",
         bounds=(1.0, 100.0),
+        when=("method", "gates"),
     )
     noise: float = option(
         0.0,
@@ -143,4 +144,5 @@ class InteriorOptions(Options):
         "rooms between noisy points are then not taken for objects. 0 switches it off; 2 suits noisy scans.",
         unit="standard deviations",
         bounds=(0.0, 100.0),
+        when=("method", "gates"),
     )
