@@ -31,14 +31,24 @@ class Shape:
     def euler(self) -> int:
         return self.components - self.loops + self.cavities
 
+    @property
+    def outside_pieces(self) -> int:
+        """Pieces of the outside; in the plane a loop has a hole within."""
+        return 1 + (self.loops if len(self.low) == 2 else self.cavities)
+
     def probes(self, n: int, rng: np.random.Generator) -> Floats:
         """Random points of the bounding box."""
         return rng.uniform(self.low, self.high, (n, len(self.low)))
 
 
+def rough(points: Floats, rng: np.random.Generator) -> Floats:
+    """Off by 1e-4: Qhull takes minutes when thousands of points are exactly coplanar or cospherical."""
+    return points + rng.normal(0, 1e-4, points.shape)
+
+
 def on_sphere(n: int, rng: np.random.Generator) -> Floats:
     directions = rng.normal(size=(n, 3))
-    return directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return rough(directions / np.linalg.norm(directions, axis=1, keepdims=True), rng)
 
 
 def shares(n: int, areas: Floats, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -100,7 +110,7 @@ def plate(width: float = 1.0, thickness: float = 0.15) -> Shape:
         side = shares(n, areas, rng)
         p = rng.uniform(0, size, (n, 3))
         p[np.arange(n), side // 2] = (side % 2) * size[side // 2]
-        return p
+        return rough(p, rng)
 
     return Shape(sample, lambda p: ((p > 0) & (p < size)).all(axis=1), (0, 0, 0), tuple(size))
 
@@ -164,7 +174,7 @@ def revolved(profile: list[list[float]]) -> Shape:
         radius = np.sqrt(r0**2 + rng.random(n) * (r1**2 - r0**2))
         t = np.where(r0 == r1, rng.random(n), (radius - r0) / np.where(r0 == r1, 1, r1 - r0))
         z, turn = ring[side, 1] + t * (ahead - ring)[side, 1], rng.uniform(0, 2 * np.pi, n)
-        return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+        return rough(np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1), rng)
 
     def contains(p: Floats) -> Bools:
         return in_rings(np.stack([np.hypot(p[:, 0], p[:, 1]), p[:, 2]], axis=1), [ring])

@@ -126,11 +126,11 @@ class GateArrays:
     Attributes
     ----------
     width : (m,) float
-        Passage width of the gate that leads out (GateWidth).
+        Passage width of the gate that leads out (GateWidth), infinite where no gate does: outside itself.
     room_radius : (m,) float
         Largest room behind it (RoomRadius).
     parent : (m,) int
-        Simplex on the other side of it, -1 for the outside (GateParent).
+        Simplex on the other side of it, -1 for the outside or where there is no gate (GateParent).
     """
 
     width: Floats
@@ -143,9 +143,8 @@ def gate_arrays(tree: GateTree, neighbors: Ints) -> GateArrays:
     basin = tree.basins.of_simplex[:-1]
     cells, ahead = tree.facet // neighbors.shape[1], neighbors.ravel()[tree.facet]
     leads_out = tree.basins.of_simplex[cells] == np.arange(tree.basins.count)  # else the gate is seen from beyond
-    beyond = np.where(leads_out, ahead, cells)
-    inner = np.where(tree.facet < 0, np.inf, tree.width)
-    return GateArrays(inner[basin], tree.room_radius[basin], beyond[basin])
+    beyond = np.where(tree.facet < 0, -1, np.where(leads_out, ahead, cells))
+    return GateArrays(tree.width[basin], tree.room_radius[basin], beyond[basin])
 
 
 def inside_by_gates(
@@ -169,12 +168,21 @@ def inside_by_gates(
 
 
 def _regions(tree: GateTree, is_door: Bools) -> Ints:
-    """(b,) region of each basin: 0 the outside, then one for what lies behind each door."""
-    region = np.zeros(tree.basins.count, np.intp)
-    number = np.cumsum(is_door)
+    """(b,) region of each basin: 0 the outside, then one for what lies behind each door.
+
+    A neck has many gates nearly as narrow as its narrowest; they are one door. So the next door of a way only counts
+    once a room has been entered that is larger than the last door by more than "nearly".
+    """
+    n, parent = tree.basins.count, tree.tree.parent
+    entered, last, door = np.ones(n, bool), np.full(n, np.inf), np.full(n, -1)
     for level in tree.tree.levels[1:]:
-        region[level] = np.where(is_door[level], number[level], region[tree.tree.parent[level]])
-    return region
+        above = parent[level]
+        opens = is_door[level] & entered[above]
+        last[level] = np.where(opens, tree.width[level], last[above])
+        in_room = tree.own_room[level] > NEARLY_NARROWEST * last[level]
+        entered[level] = in_room | (entered[above] & ~opens)
+        door[level] = np.where(opens, level, door[above])
+    return np.unique(door, return_inverse=True)[1]
 
 
 def _opposite_sides(tree: GateTree, regions: Ints, ratio: float) -> Bools:

@@ -19,9 +19,10 @@ from tetraskel.options import InteriorOptions
 
 Bools = NDArray[np.bool_]
 
-# Of points on a surface nearly all lie between inside and outside, with noise of 1 % of the diagonal still more than
-# half; of points that fill a volume less than half do, however the gates divide them.
-LEAST_SHARE = 0.5
+# Of points on a surface nearly all lie between inside and outside, with noise of 1 % of the diagonal about half. Of
+# points that fill an area less than half do, however the gates divide them; in space gates find no room in a volume of
+# points anyway (none in a million uniform ones), so less is asked there.
+LEAST_SHARE = {2: 0.5, 3: 0.3}
 
 
 def interior(
@@ -90,7 +91,7 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
     inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
     inside = smaller_surface(mesh, inside)
     share = surface_share(mesh, inside)
-    if inside.any() and share >= LEAST_SHARE:
+    if inside.any() and share >= LEAST_SHARE[mesh.dim]:
         return inside
     if inside.any():
         reason = f"only {share:.0%} of the points lie between inside and outside; they fill a volume or are too noisy"
