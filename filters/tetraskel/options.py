@@ -51,6 +51,10 @@ def check_value(name: str, value: Any, metadata: Any, default: Any) -> None:
         raise InputError(f"{name} must be one of {', '.join(choices)}; got {value!r}.")
     if isinstance(default, bool) and not isinstance(value, (bool, np.bool_)):
         raise InputError(f"{name} must be True or False; got {value!r}.")
+    if isinstance(default, tuple):
+        whole = isinstance(value, (tuple, list, np.ndarray)) and len(value) == len(default)
+        if not whole or not all(isinstance(x, Real) and math.isfinite(x) for x in value):
+            raise InputError(f"{name} must be {len(default)} finite numbers; got {value!r}.")
     if isinstance(default, str) and not isinstance(value, str):
         raise InputError(f"{name} must be a word; got {value!r}.")
     if bounds is None:

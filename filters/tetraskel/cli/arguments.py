@@ -23,6 +23,8 @@ def _add_option(group, declared) -> None:
     flag = "--" + _name(declared).replace("_", "-")
     if isinstance(declared.default, bool):
         group.add_argument(flag, action=argparse.BooleanOptionalAction, **common)
+    elif isinstance(declared.default, tuple):
+        group.add_argument(flag, type=float, nargs=len(declared.default), metavar="FLOAT", **common)
     elif metadata["choices"]:
         group.add_argument(flag, choices=metadata["choices"], **common)
     else:

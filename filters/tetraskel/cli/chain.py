@@ -7,9 +7,8 @@ import sys
 from collections.abc import Sequence
 from itertools import pairwise
 
-import numpy as np
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
-from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.cli.files import check_output, read, writer_for
@@ -18,6 +17,7 @@ from tetraskel.cli.progress import ProgressLine
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
+from tetraskel.vtkfilters.convert import holds_simplices
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:
@@ -63,20 +63,12 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
     if png:
         check_output(png, (".png",))
     source = read(chosen.input)
-    steps = filters[1:] if is_volume_mesh(source) and not chosen.points_only else filters
+    steps = filters[1:] if holds_simplices(source) and not chosen.points_only else filters
     result = run_filters(source, steps)
     write(result)
     if png:
         draw(source, result, png)
     print(summary(chosen, source, result, from_cells=steps[0] is not filters[0]))
-
-
-def is_volume_mesh(data: vtkPointSet) -> bool:
-    """Whether the file brought cells that fill space, to be walked as they are."""
-    if not isinstance(data, vtkUnstructuredGrid):
-        return False
-    kinds = np.unique([data.GetCellType(k) for k in range(data.GetNumberOfCells())], return_index=True)[1]
-    return any(data.GetCell(int(k)).GetCellDimension() == 3 for k in kinds)
 
 
 def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPolyData:

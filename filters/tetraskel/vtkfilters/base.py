@@ -194,8 +194,8 @@ def _declare(cls, declared):
     """Give a filter class the setter, getter and property of one option."""
     name = declared.name
 
-    def set_value(self, value):
-        value = _converted(value, declared)
+    def set_value(self, *given):
+        value = _converted(given[0] if len(given) == 1 else given, declared)  # ParaView sends a vector's numbers
         if self._values[name] != value:
             self._values[name] = value
             self.Modified()
@@ -222,4 +222,6 @@ def _converted(value, declared):
         return bool(value)
     if isinstance(default, float) and isinstance(value, Real):
         return float(value)
+    if isinstance(default, tuple) and not isinstance(value, (str, Real)):
+        return tuple(value)
     return value

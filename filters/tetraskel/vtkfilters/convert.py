@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
@@ -138,9 +139,8 @@ def mesh_of(data: vtkPointSet) -> Triangulation:
     MeshError
         For any other cells; they are counted by type.
     """
-    simplices = simplices_of(data)
-    points = points_of(data).astype(np.float64)
-    return triangulation_of(points, simplices)
+    mesh = triangulation_of(points_of(data), simplices_of(data))
+    return replace(mesh, engine=fact(data, "Engine", mesh.engine))
 
 
 def simplices_of(data: vtkPointSet) -> np.ndarray:
@@ -173,6 +173,14 @@ def segments_of(cells: vtkCellArray, *, closed: bool) -> np.ndarray:
     keep = np.ones(len(ids), bool)
     keep[offsets[1:] - 1] = closed
     return np.stack([ids, ids[after]], axis=1)[keep].astype(np.int64)
+
+
+def holds_simplices(data: vtkPointSet) -> bool:
+    """Whether a data set is a mesh to be taken as it is: an unstructured grid with more than points and lines."""
+    if not isinstance(data, vtkUnstructuredGrid):
+        return False
+    kinds = [data.GetCellType(k) for k in range(data.GetNumberOfCells())]
+    return any(data.GetCell(k).GetCellDimension() > 1 for k, _ in _first_of_each(kinds))
 
 
 def _all_of(data: vtkPointSet, cell_type: int) -> bool:

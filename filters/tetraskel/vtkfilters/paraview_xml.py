@@ -40,7 +40,8 @@ def _input(name: str, port: int, data_type: str, doc: str, hints: str) -> str:
 def _property(declared, options) -> str:
     name, metadata = camel_case(declared.name), declared.metadata
     unit = f" Unit: {metadata['unit']}." if metadata["unit"] else ""
-    common = f'name="{name}" command="Set{name}" number_of_elements="1" default_values="{_default(declared)}"'
+    n = len(declared.default) if isinstance(declared.default, tuple) else 1
+    common = f'name="{name}" command="Set{name}" number_of_elements="{n}" default_values="{_default(declared)}"'
     kind = _kind(declared)
     documentation = f"<Documentation>{escape(metadata['doc'] + unit)}</Documentation>"
     return f"<{kind} {common}>{_domain(declared)}{documentation}{_shown_when(declared, options)}</{kind}>"
@@ -66,6 +67,8 @@ def _shown_when(declared, options) -> str:
 def _default(declared) -> str:
     if declared.metadata["choices"]:
         return str(declared.metadata["choices"].index(declared.default))
+    if isinstance(declared.default, tuple):
+        return " ".join(map(str, declared.default))
     return str(int(declared.default)) if isinstance(declared.default, bool) else str(declared.default)
 
 

@@ -1,0 +1,122 @@
+"""The one-click filter: points, or a mesh with its inside, to the curve skeleton."""
+
+from __future__ import annotations
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+from tetraskel.kernels.curve import CurveModel, curve_model, draw_curve
+from tetraskel.kernels.triangulate import triangulate
+from tetraskel.options import CurveOptions
+from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    holds_simplices,
+    mesh_of,
+    points_of,
+    to_cells,
+    to_points,
+)
+
+
+class CurveSkeleton(SkeletonFilter):
+    """Points of a surface, or a mesh with a cell array Inside, to the curve skeleton of the object.
+
+    Points need no normals and no closed mesh; cells of polygonal data are not looked at. A mesh of tetrahedra or of
+    triangles in an unstructured grid is taken as it is: inside where its cell array Inside is not 0, or everywhere.
+    The second output is the input's points with the skeleton point and the branch they belong to. Changing the detail
+    or the root draws from what was computed before.
+    """
+
+    options = CurveOptions
+    input_doc = "Points on the surface of an object, or a mesh with a cell array Inside."
+    n_outputs = 2
+
+    def __init__(self, **values):
+        self._model: CurveModel | None = None
+        self._made_from: tuple | None = None
+        super().__init__(**values)
+
+    def execute(self, inputs, outputs):
+        """Compute the model where the input or its options changed, and draw it."""
+        source = inputs[0]
+        key = (source, source.GetMTime(), self.loop_spacings)
+        if self._made_from != key:
+            self._model, self._made_from = None, None
+            self._model = self._compute(source)
+            self._made_from = key
+        root = self.root_point if self.root == "point" else self.root
+        skeleton = draw_curve(self._model, detail=self.detail, root=root)
+        fill_skeleton(outputs[0], skeleton)
+        outputs[0].GetFieldData().PassData(source.GetFieldData())
+        mesh = self._model.inner.mesh
+        add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
+        _fill_points(source, outputs[1], skeleton)
+
+    def _compute(self, source):
+        if holds_simplices(source):
+            mesh, inside = mesh_of(source), array_of(source.GetCellData(), "Inside")
+            share = 0.0
+        else:
+            mesh = triangulate(points_of(source), tick=self.tick("Triangulating", 0.0, 0.5))
+            inside, share = None, 0.5
+        tick = self.tick("Drawing the skeleton together", share, 1.0)
+        return curve_model(mesh, inside=inside, loop_spacings=self.loop_spacings, tick=tick)
+
+
+def fill_skeleton(output: vtkPolyData, skeleton) -> None:
+    """A skeleton as polygonal data: a polyline per branch, shared junctions, arrays and facts."""
+    output.SetPoints(to_points(skeleton.points))
+    alone = np.flatnonzero(skeleton.node_degree == 0)
+    if len(alone):
+        output.SetVerts(to_cells(alone[:, None]))
+    output.SetLines(to_cells(skeleton.connectivity, skeleton.offsets))
+    add_arrays(output.GetPointData(), _point_arrays(skeleton))
+    add_arrays(output.GetCellData(), _branch_arrays(skeleton, len(alone)))
+    output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
+    facts = {"Components": skeleton.components, "Loops": skeleton.loops, "LoopsRefused": skeleton.loops_refused}
+    add_facts(output, {**facts, "Cavities": skeleton.cavities})
+
+
+def _point_arrays(skeleton):
+    return {
+        "MaximumInscribedSphereRadius": skeleton.radius,
+        "Depth": skeleton.depth.astype(np.int32),
+        "ParentId": skeleton.parent.astype(np.int64),
+        "BranchId": skeleton.branch_id.astype(np.int32),
+        "ComponentId": skeleton.component.astype(np.int32),
+        "NodeType": skeleton.node_type.astype(np.uint8),
+        "NodeDegree": skeleton.node_degree.astype(np.int32),
+        "StrahlerOrder": skeleton.strahler_order.astype(np.int32),
+        "Abscissas": skeleton.abscissa,
+        "Blanking": skeleton.blanking.astype(np.uint8),
+    }
+
+
+def _branch_arrays(skeleton, n_alone):
+    """Cell arrays; VTK puts the vertices of points that stand alone before the lines."""
+    arrays = {
+        "BranchId": np.arange(skeleton.n_branches, dtype=np.int32),
+        "GroupIds": skeleton.branch_group.astype(np.int32),
+        "Blanking": skeleton.branch_blanking.astype(np.int32),
+        "Length": skeleton.branch_length,
+        "Tortuosity": skeleton.branch_tortuosity,
+        "MeanRadius": skeleton.branch_radius,
+        "StrahlerOrder": skeleton.branch_strahler.astype(np.int32),
+    }
+    return {name: np.concatenate([np.zeros(n_alone, values.dtype), values]) for name, values in arrays.items()}
+
+
+def _fill_points(source, output, skeleton):
+    """The input's points, with its own cells if it is polygonal data, and where each belongs."""
+    if source.IsA("vtkPolyData"):
+        output.ShallowCopy(source)
+    else:
+        output.SetPoints(source.GetPoints())
+        output.SetVerts(to_cells(np.arange(source.GetNumberOfPoints())[:, None]))
+        output.GetPointData().PassData(source.GetPointData())
+    arrays = {"SkeletonNodeId": skeleton.point_nodes, "BranchId": skeleton.point_branches.astype(np.int32)}
+    add_arrays(output.GetPointData(), arrays)
+    output.GetPointData().SetActiveScalars("BranchId")
