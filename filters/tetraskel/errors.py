@@ -19,3 +19,7 @@ class EngineError(TetraskelError, RuntimeError):
 
 class Aborted(TetraskelError):
     """The user asked to stop; nothing was produced."""
+
+
+class InsideWarning(UserWarning):
+    """Nothing lies inside; says why, and which option to try."""

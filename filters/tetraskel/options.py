@@ -54,6 +54,7 @@ def check_value(name: str, value: Any, metadata: Any, default: Any) -> None:
 ENGINES = ("auto", "qhull", "vtk")
 TRAVERSALS = ("breadth", "depth")
 CENTRES = ("barycentre", "incentre", "circumcentre")
+INSIDES = ("gates", "surface", "outline", "array", "all")
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,26 @@ class SkeletonOptions(Options):
     """Parameters of the skeleton drawn from a tree."""
 
     keep_leaves: bool = option(False, "Draw the nodes without sons too. The paper's skeleton is the tree without them.")
+
+
+@dataclass(frozen=True)
+class InteriorOptions(Options):
+    """Parameters of the classification into inside and outside."""
+
+    method: str = option(
+        "gates",
+        "How inside is told from outside: gates (from the points alone), surface (a closed surface as second input), "
+        "outline (closed lines as second input, 2D), array (a cell array of the mesh), or all (everything is "
+        "inside: the convex case).",
+        choices=INSIDES,
+    )
+    ratio: float = option(
+        2.0,
+        "How many times larger than its widest door a room must be to count as the other side of a surface. Hardly "
+        "matters where the sampling is denser than the object is thick; larger values demand a denser sampling.",
+        unit="room radius / door width",
+        bounds=(1.0, 100.0),
+    )
 
 
 ROOTS = ("paper", "widest", "point")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,3 +62,13 @@ class Triangulation:
 
     def __len__(self) -> int:
         return len(self.simplices)
+
+
+def submesh(mesh: Triangulation, kept: Bools) -> Triangulation:
+    """The simplices where (m,) `kept` holds, in order; points and their ids stay as they are.
+
+    Neighbours are renumbered; a facet to a simplex that is gone becomes part of the boundary.
+    """
+    new_id = np.append(np.cumsum(kept, dtype=np.int32) - 1, np.int32(-1))
+    new_id[:-1][~kept] = -1
+    return replace(mesh, simplices=mesh.simplices[kept], neighbors=new_id[mesh.neighbors[kept]])

@@ -1,0 +1,174 @@
+"""Inside and outside of an object from points alone: the gate tree.
+
+Take the graph of the simplices and the outside, joined across facets, and its maximum spanning tree by passage width,
+rooted outside: the way from the root to a simplex is then the widest way in. A *room* is a simplex that contains its
+own circumcentre, its size the circumradius. A *door* is a gate on the way to a room much larger than the gate, at the
+narrowest place of that way. Doors divide the simplices into regions, and two regions that share much of their
+boundary, with the object's surface between them, lie on opposite sides of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.kernels.basins import Basins, gather_basins
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.passage_widths import widths_and_rooms
+from tetraskel.kernels.spanning_tree import RootedTree, maximum_spanning_tree, rooted
+from tetraskel.options import InteriorOptions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
+
+# The door is the narrowest place on the way to the room, not the first narrow one: gates wider than this many times
+# the narrowest are none. Not 1, because next to the narrowest gate there are others almost as narrow, and the first
+# of them is nearer to the surface.
+NEARLY_NARROWEST = 1.75
+
+
+@dataclass(frozen=True)
+class GateTree:
+    """The widest ways in from outside.
+
+    Attributes
+    ----------
+    basins : Basins
+        The tree's nodes: simplices joined across their widest facets, the outside being the last node.
+    tree : RootedTree
+        The widest way out of each basin.
+    width : (b,) float
+        Passage width of the gate between a basin and its parent, in the unit of the points; infinite at the root.
+    room_radius : (b,) float
+        Radius of the largest room behind that gate.
+    narrowest : (b,) float
+        Width of the narrowest gate from that gate to that room.
+    own_room : (b,) float
+        Radius of the largest room in the basin itself, 0 where there is none.
+    """
+
+    basins: Basins
+    tree: RootedTree
+    width: Floats
+    room_radius: Floats
+    narrowest: Floats
+    own_room: Floats
+
+    @property
+    def outside(self) -> int:
+        """The node that stands for the outside."""
+        return self.basins.count - 1
+
+
+def gate_tree(mesh: Triangulation, *, tick: Tick = silent) -> GateTree:
+    """The gate tree of a triangulation, 2D or 3D.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+        A Delaunay triangulation of the whole convex hull.
+    tick : callable, optional
+        Told the share of work done; may raise `Aborted`.
+    """
+    widths, rooms = widths_and_rooms(mesh.coordinates, mesh.simplices, lambda done: tick(0.5 * done))
+    return gate_tree_of(mesh.neighbors, widths, rooms, tick)
+
+
+def gate_tree_of(neighbors: Ints, widths: Floats, rooms: Floats, tick: Tick = silent) -> GateTree:
+    """The gate tree from (m, d+1) neighbours, (m, d+1) passage widths and (m,) room radii."""
+    basins = gather_basins(neighbors, widths)
+    tick(0.7)
+    links = maximum_spanning_tree(basins.count, basins.first, basins.second, basins.width)
+    tick(0.8)
+    tree = rooted(basins.count, basins.first[links], basins.second[links], basins.count - 1)
+    width = np.full(basins.count, np.inf)
+    reached = tree.link >= 0
+    width[reached] = basins.width[links[tree.link[reached]]]
+    own_room = np.zeros(basins.count)
+    np.maximum.at(own_room, basins.of_simplex[:-1], rooms)
+    room_radius, narrowest = _largest_rooms(tree, width, own_room)
+    tick(0.9)
+    return GateTree(basins, tree, width, room_radius, narrowest, own_room)
+
+
+def _largest_rooms(tree: RootedTree, width: Floats, own_room: Floats) -> tuple[Floats, Floats]:
+    """Largest room behind each gate, and the narrowest gate on the way to it.
+
+    Strategy: deepest level first, each family of sons hands its best to the parent; sons are side by side, so a
+    family is one segment of `reduceat`. Of equal rooms the one with the wider way counts.
+    """
+    radius, narrowest = own_room.copy(), width.copy()
+    for level in tree.levels[:0:-1]:
+        narrowest[level] = np.minimum(narrowest[level], width[level])
+        parents = tree.parent[level]
+        first = np.flatnonzero(np.diff(parents, prepend=-1))
+        families = parents[first]
+        best = np.maximum.reduceat(radius[level], first)
+        is_best = radius[level] == np.repeat(best, np.diff(first, append=len(level)))
+        way = np.maximum.reduceat(np.where(is_best, narrowest[level], 0), first)
+        larger = best > radius[families]
+        radius[families[larger]], narrowest[families[larger]] = best[larger], way[larger]
+    return radius, narrowest
+
+
+def inside_by_gates(tree: GateTree, *, ratio: float = InteriorOptions.ratio) -> Bools:
+    """(m,) simplices that lie inside an object.
+
+    Parameters
+    ----------
+    tree : GateTree
+    ratio : float
+        How many times larger than its door a room must be, to lie on the other side of a surface.
+    """
+    is_door = (tree.room_radius > ratio * tree.width) & (tree.width <= NEARLY_NARROWEST * tree.narrowest)
+    regions = _regions(tree, is_door)
+    inside = _opposite_sides(tree, regions, ratio)
+    return inside[regions[tree.basins.of_simplex[:-1]]]
+
+
+def _regions(tree: GateTree, is_door: Bools) -> Ints:
+    """(b,) region of each basin: 0 the outside, then one for what lies behind each door."""
+    region = np.zeros(tree.basins.count, np.intp)
+    number = np.cumsum(is_door)
+    for level in tree.tree.levels[1:]:
+        region[level] = np.where(is_door[level], number[level], region[tree.tree.parent[level]])
+    return region
+
+
+def _opposite_sides(tree: GateTree, regions: Ints, ratio: float) -> Bools:
+    """(r,) whether each region lies inside.
+
+    Strategy: two regions that have many narrow facets in common have a surface between them, while a neck inside an
+    object, or the mouth of a bottle, is a door of few facets. So each region is put opposite the one it shares most
+    with: along the maximum spanning tree of the regions by shared facets.
+    """
+    basins = tree.basins
+    n = int(regions.max(initial=0)) + 1
+    first, second = regions[basins.first], regions[basins.second]
+    apart = np.flatnonzero(first != second)
+    first, second = np.minimum(first, second)[apart], np.maximum(first, second)[apart]
+    size = _region_sizes(tree, regions, n)
+    narrow = ratio * basins.width[apart] < np.minimum(size[first], size[second])
+    pairs, pair_of = np.unique(first * n + second, return_inverse=True)
+    first, second = np.divmod(pairs, n)
+    shared = np.bincount(pair_of, narrow, len(pairs)) + 0.5 / (len(apart) + 1) * np.bincount(
+        pair_of, minlength=len(pairs)
+    )
+    links = maximum_spanning_tree(n, first, second, shared)
+    inside = np.zeros(n, bool)
+    sides = rooted(n, first[links], second[links], 0)
+    for level in sides.levels[1:]:
+        inside[level] = ~inside[sides.parent[level]]
+    return inside
+
+
+def _region_sizes(tree: GateTree, regions: Ints, n: int) -> Floats:
+    """(n,) radius of the largest room in each region; the outside has no bounds."""
+    size = np.zeros(n)
+    np.maximum.at(size, regions, tree.own_room)
+    size[0] = np.inf
+    return size
