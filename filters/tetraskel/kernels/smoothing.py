@@ -11,6 +11,7 @@ from tetraskel.kernels.chains import Chains
 from tetraskel.kernels.inside_check import stays_inside
 from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.medial_nodes import MedialNodes
+from tetraskel.kernels.skeleton import line_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -107,7 +108,7 @@ def _averages(positions: Floats, radii: Floats, path: Ints) -> tuple[Floats, Int
 
 def _relaxed(lines: Lines, nodes: MedialNodes) -> Lines:
     """A few steps towards the mean of the neighbours; ends stay."""
-    a, b = segments(lines.offsets, lines.connectivity).T
+    a, b = line_edges(lines.offsets, lines.connectivity).T
     degree = np.bincount(np.concatenate([a, b]), minlength=len(lines.positions))
     fixed = degree < 2
     start, limit = lines.positions, FARTHEST * nodes.radii[lines.nodes]
@@ -124,17 +125,9 @@ def _relaxed(lines: Lines, nodes: MedialNodes) -> Lines:
     return Lines(positions, lines.offsets, lines.connectivity, lines.nodes)
 
 
-def segments(offsets: Ints, connectivity: Ints) -> Ints:
-    """(s, 2) edges of polylines."""
-    starts = np.ones(len(connectivity), bool)
-    starts[offsets[1:] - 1] = False  # the last point of a line begins no edge
-    first = np.flatnonzero(starts)
-    return np.stack([connectivity[first], connectivity[first + 1]], axis=1) if len(first) else np.empty((0, 2), np.int64)
-
-
 def _bad_points(lines: Lines, nodes: MedialNodes, inner: InnerMesh) -> Bools:
     """Points at the ends of edges that leave the interior."""
-    edges = segments(lines.offsets, lines.connectivity)
+    edges = line_edges(lines.offsets, lines.connectivity)
     good = stays_inside(inner, lines.positions, nodes.homes[lines.nodes], edges)
     bad = np.zeros(len(lines.positions), bool)
     bad[edges[~good]] = True
