@@ -20,16 +20,26 @@ from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-FINEST = 0.003  # significance below which no branch is looked for
-SHEET = 1.0  # how much of a sheet's width beyond its thickness counts as covered
+FINEST = 0.015  # significance below which no branch is looked for
+LEAST_EXCESS = 0.003  # of the diagonal: no branch reaches out of its parent's ball by less
 JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
-TIP = 0.45  # an end is cut back to the ball that everything beyond pokes out of by less than this, in its radii
+# An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
+# first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
+# where the path goes straight on, to the tip of a slender limb.
+TIP = (0.45, 0.3)
+TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
+STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
 # A bump is judged by how far it pokes out in diagonals of the object, a limb also by its own slenderness: beyond
 # this ratio of distance to cover it counts for more, so that the twigs of a large tree are branches too.
+ALONE = 0.25  # an end farther than this from all others, in diagonals, is no more alone
 SLENDER = 2.5
 SLENDER_POWER = 4
-BUMP = (1.1, 1.3)  # ratio of distance to cover: below the first it is nothing, from the second on it counts in full
+# What counts as covered, as a share of the way from the ball to the width of the sheet: nothing but the ball for the
+# edges of plates, most of the sheet for limbs. An edge counts for this share of a limb, and at most so much.
+SHEETS = (0.0, 0.85)
+EDGE, EDGE_LIMIT = 0.6, 0.055
+BUMP = (1.05, 1.2)  # ratio of distance to cover: below the first it is nothing, from the second on it counts in full
 
 
 @dataclass(frozen=True)
@@ -57,11 +67,48 @@ class Branches:
 
 @dataclass(frozen=True)
 class Balls:
-    """Nodes as the growth sees them: positions (m, d), radii (m,), and how far each is taken to cover (m,)."""
+    """Nodes as the growth sees them: positions (m, d), radii (m,), and burn times (m,), at least the radii."""
 
     positions: Floats
     radii: Floats
-    covers: Floats
+    burn: Floats
+
+
+class Exposure:
+    """How far each candidate tip pokes out of what is drawn, and how far away that is in its covers.
+
+    Measured twice: out of the balls (row 0), and out of balls as wide as the sheet is (row 1). What pokes out of the
+    balls alone is an edge of a plate, not a limb, and counts for details only.
+    """
+
+    def __init__(self, balls: Balls, candidates: Ints) -> None:
+        self.balls, self.candidates = balls, candidates
+        self.alone = np.full(len(candidates), np.inf)  # distance to the nearest end that is drawn
+        self.excess = np.full((2, len(candidates)), np.inf)
+        self.ratio = np.full((2, len(candidates)), np.inf)
+
+    def cover(self, nodes: Ints) -> None:
+        """Draw balls at more nodes."""
+        balls, nodes = self.balls, thinned(self.balls, nodes)
+        tips, radii = balls.positions[self.candidates], balls.radii[self.candidates]
+        for start in range(0, len(nodes), 64):
+            some = nodes[start : start + 64]
+            away = np.sqrt(((tips[:, None] - balls.positions[some][None]) ** 2).sum(axis=2))  # (tips, some)
+            for row, sheet in enumerate(SHEETS):
+                covers = balls.radii[some] + sheet * (balls.burn[some] - balls.radii[some])
+                np.minimum(self.excess[row], (away - covers).min(axis=1) + radii, out=self.excess[row])
+                np.minimum(self.ratio[row], (away / covers).min(axis=1), out=self.ratio[row])
+
+    def significance(self, diagonal: float) -> Floats:
+        """One number per candidate, which never grows."""
+        alone = np.minimum(self.alone / diagonal, ALONE)
+        edge, limb = significance_of(np.maximum(self.excess, 0) / diagonal, alone, self.ratio)
+        return np.maximum(limb, np.minimum(EDGE * edge, EDGE_LIMIT))
+
+    def add_end(self, node: int) -> None:
+        """Draw an end."""
+        away = self.balls.positions[self.candidates] - self.balls.positions[node]
+        np.minimum(self.alone, np.sqrt((away**2).sum(axis=1)), out=self.alone)
 
 
 def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, tick: Tick = silent) -> Branches:
@@ -73,7 +120,7 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
     positions : (m, d) float
     radii, burn : (m,) float
     """
-    balls = Balls(positions, radii, radii + SHEET * (burn - radii))
+    balls = Balls(positions, radii, burn)
     tree = core.tree
     length, reach, tip = lengths_and_tips(tree.sequence, tree.parent, positions, radii, tick)
     diagonals = _diagonals(tree, positions, radii)
@@ -109,15 +156,18 @@ def _candidates(
     sons = np.flatnonzero(tree.parent >= 0)
     above = tree.parent[sons]
     leaves = (tip[above] != tip[sons]) & (
-        reach[sons] - length[above] - radii[above] > FINEST * diagonals[tree.component[sons]]
+        reach[sons] - length[above] - radii[above] > LEAST_EXCESS * diagonals[tree.component[sons]]
     )
     return np.unique(np.concatenate([tip[sons[leaves]], tip[tree.roots]]))
 
 
-def significance_of(excess: Floats, ratio: Floats) -> Floats:
-    """One number from how far a tip pokes out (in diagonals) and its distance over the cover there."""
+def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
+    """One number from how far a tip pokes out, how far the next end is (in diagonals), and distance over cover.
+
+    The geometric mean of the first two: a person draws the lone tail before the second finger of a hand.
+    """
     bump = np.clip((ratio - BUMP[0]) / (BUMP[1] - BUMP[0]), 0, 1)
-    return excess * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
+    return np.sqrt(excess * alone) * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
 
 
 def _grow(
@@ -125,39 +175,28 @@ def _grow(
 ) -> list[tuple[float, int, Ints]]:
     """Branches of one component: significance, tip, edges."""
     kept = start
-    excess, ratio = np.full(len(candidates), np.inf), np.full(len(candidates), np.inf)
-    _cover(balls, candidates, kept, excess, ratio)
+    exposure = Exposure(balls, candidates)
+    exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist())
     limit = np.inf
     while True:
         tick(0.0)
-        values = significance_of(np.maximum(excess, 0) / diagonal, ratio)
+        values = exposure.significance(diagonal)
         best = int(values.argmax())
         if values[best] < FINEST:
             return found
         limit = min(limit, float(values[best]))
         path = _path_to_skeleton(parent, balls, int(candidates[best]), on_skeleton, kept)
-        excess[best] = -np.inf
-        path = path[_end_of_tip(balls, path) :]
+        path = path[_end_of_tip(balls, path, TIP_SHARE * float(exposure.excess[0, best])) :]
+        exposure.excess[:, best] = -np.inf
         if len(path) < 2:
             continue
         found.append((limit, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
+        exposure.add_end(int(path[0]))
         on_skeleton.update(dict.fromkeys(path[:-1].tolist()))
         kept = np.concatenate([kept, path[:-1]])
-        _cover(balls, candidates, path[:-1], excess, ratio)
-
-
-def _cover(balls: Balls, candidates: Ints, nodes: Ints, excess: Floats, ratio: Floats) -> None:
-    """Lower the candidates' excess and ratio to what the balls at `nodes` leave, in place."""
-    nodes = thinned(balls, nodes)
-    for start in range(0, len(nodes), 64):
-        some = nodes[start : start + 64]
-        away = np.sqrt(
-            ((balls.positions[candidates][:, None] - balls.positions[some][None]) ** 2).sum(axis=2)
-        )  # (candidates, some)
-        np.minimum(excess, (away - balls.covers[some]).min(axis=1) + balls.radii[candidates], out=excess)
-        np.minimum(ratio, (away / balls.covers[some]).min(axis=1), out=ratio)
+        exposure.cover(path[:-1])
 
 
 def thinned(balls: Balls, path: Ints) -> Ints:
@@ -184,12 +223,28 @@ def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[in
     return np.append(nodes[: near[0] + 1], kept[nearest[near[0]]])
 
 
-def _end_of_tip(balls: Balls, path: Ints) -> int:
-    """Where to cut a path that begins at its tip: what is cut pokes out of the ball there by little."""
+def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
+    """Where to cut a path that begins at its tip: what is cut pokes out of the ball there by little, never `most`."""
     sparse = thinned(balls, path)
     where = np.flatnonzero(np.isin(path, sparse))
     positions, radii = balls.positions[sparse], balls.radii[sparse]
     away = np.sqrt(((positions[:, None] - positions[None]) ** 2).sum(axis=2))
     out = np.tril(away + radii[None] - radii[:, None], -1).max(axis=1)  # (q,) of everything nearer to the tip than q
-    fits = np.flatnonzero(out <= TIP * radii)
-    return int(where[fits[-1]])
+    first, last = (int(np.flatnonzero(out <= np.minimum(share * radii, most))[-1]) for share in TIP)
+    return int(where[_straight_on(positions, radii, first, last)])
+
+
+def _straight_on(positions: Floats, radii: Floats, first: int, last: int) -> int:
+    """How far down from `first` to `last` the path goes on in the direction in which it comes to `first`."""
+    behind = np.flatnonzero(((positions - positions[first]) ** 2).sum(axis=1) > radii[first] ** 2)
+    behind = behind[behind > first]
+    back = int(behind[0]) if len(behind) else len(positions) - 1
+    way = positions[first] - positions[back]
+    if not way.any() or first <= last:
+        return first
+    way = way / np.sqrt((way**2).sum())
+    ahead = positions[last:first] - positions[first]
+    along = ahead @ way
+    aside = np.sqrt(np.maximum((ahead**2).sum(axis=1) - along**2, 0))
+    bent = np.flatnonzero(aside > STRAIGHT * np.maximum(along, SAMPLE * radii[first]))
+    return last + int(bent[-1]) + 1 if len(bent) else last

@@ -20,7 +20,7 @@ from tetraskel.kernels.dual_complex import DualComplex, dual_complex
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.loops import Loops, find_loops
-from tetraskel.kernels.medial_nodes import MedialNodes, medial_nodes
+from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import passage_widths
@@ -35,9 +35,10 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 NEAREST = 6  # points whose mean distance is the local spacing
+FACING_POWER = 2  # how much paths prefer places midway between two sides of the object
 # detail -> least significance drawn; logarithms are interpolated in between
 DETAILS = (0.0, 0.5, 1.0)
-SIGNIFICANCES = (0.15, 0.052, 0.006)
+SIGNIFICANCES = (0.2, 0.075, 0.02)
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,8 @@ def curve_model(
         tick=_part(tick, 0.65, 0.7),
     )
     burn = burn_times(cells, nodes.positions, nodes.radii, _part(tick, 0.7, 0.8))
-    tree = medial_tree(cells, nodes.positions, burn, loops.cut, _part(tick, 0.8, 0.9))
+    strength = burn * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
+    tree = medial_tree(cells, nodes.positions, strength, loops.cut, _part(tick, 0.8, 0.9))
     core = loop_core(tree, cells, loops.crossings, loops.cut, _part(tick, 0.9, 0.92))
     branches = grow_branches(core, nodes.positions, nodes.radii, burn, _part(tick, 0.92, 1.0))
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures)

@@ -6,11 +6,13 @@ The node is the circumcentre where it lies in the interior, else the barycentre.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.loops_in_python import numba_is_used, run_loop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -67,7 +69,7 @@ def barycentric_frames(coordinates: Floats, simplices: Ints) -> tuple[Floats, Fl
             for axis in range(3):
                 p, q = (axis + 1) % 3, (axis + 2) % 3
                 normals[:, i, axis] = u[:, p] * v[:, q] - u[:, q] * v[:, p]
-    return first, normals, np.einsum("ka,ka->k", sides[:, 0], normals[:, 0])
+    return first, normals, _dots(sides[:, 0], normals[:, 0])
 
 
 def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats) -> Floats:
@@ -75,10 +77,20 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     first, normals, volumes = barycentric_frames(coordinates, simplices)
     result = np.full(simplices.shape, -np.inf)
     solid = volumes != 0
-    weights = np.einsum("kia,ka->ki", normals[solid], (places - first)[solid]) / volumes[solid, None]
-    result[solid, 1:] = weights
-    result[solid, 0] = 1 - weights.sum(axis=1)
+    scale = np.where(solid, volumes, 1.0)
+    weights = _dots(normals, (places - first)[:, None]) / scale[:, None]
+    total = weights[:, 0] + weights[:, 1]
+    if weights.shape[1] == 3:
+        total = total + weights[:, 2]
+    result[solid, 1:] = weights[solid]
+    result[solid, 0] = 1 - total[solid]
     return result
+
+
+def _dots(a: Floats, b: Floats) -> Floats:
+    """Scalar products along the last axis, added from the first term on: in any loop the same to the last bit."""
+    total = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
+    return np.asarray(total if a.shape[-1] == 2 else total + a[..., 2] * b[..., 2])
 
 
 def circumcentres(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> tuple[Floats, Floats, NDArray[np.int8]]:
@@ -113,15 +125,19 @@ def walk_to(
 ) -> Ints:
     """Simplex that contains each place (k,), -1 where the walk from `start` to it leaves the mesh.
 
-    Strategy: all walkers step at once, each through the facet behind which its place lies deepest and that leads
-    somewhere; those that arrived drop out. The number of rounds is the longest walk, the work the sum of all.
+    A visibility walk: out of each simplex through the facet behind which the place lies deepest and that leads
+    somewhere. Compiled it goes place by place, else all places step at once; the arithmetic is the same.
     """
     at = np.array(start, dtype=np.int64)
+    if simplices.shape[1] == 4 and numba_is_used():
+        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), places.ravel(), ON_FACET, LONGEST_WALK)
+        run_loop(_walk_loop, inputs, (at,), tick, 1e-6 * len(at))
+        return at
     active = np.arange(len(at))
     for round_ in range(LONGEST_WALK):
         if len(active) == 0:
             break
-        if round_ % 16 == 15:
+        if round_ % 4 == 3:
             tick(1 - len(active) / len(at))
         active = active[_step(coordinates, simplices, neighbors, at, active, places)]
     at[active] = -1
@@ -143,13 +159,52 @@ def _step(
         weights[(ahead < 0) | (weights >= 0)] = np.inf  # no way there, or the wrong way
         way = weights.argmin(axis=1)
         rows = np.arange(len(cells))
-        blocked = np.isinf(weights[rows, way]) & (weights[rows, way] > 0)
-        target = np.where(blocked, -1, ahead[rows, way])
+        target = np.where(weights[rows, way] == np.inf, -1, ahead[rows, way])
         at[walkers] = np.where(arrived, cells, target)
         walking[piece] = ~arrived & (target >= 0)
 
     for_chunks(work, len(active))
     return walking
+
+
+def _walk_loop(  # type: ignore[no-untyped-def]
+    points, simplices, neighbors, places, on_facet, longest, at
+):
+    """Tetrahedra only; the expressions of `barycentric_coordinates`, term by term."""
+    for i in range(len(at)):
+        cell = at[i]
+        steps = 0
+        while cell >= 0:
+            s = 4 * cell
+            a, b, c, d, x = 3 * simplices[s], 3 * simplices[s + 1], 3 * simplices[s + 2], 3 * simplices[s + 3], 3 * i
+            u0, u1, u2 = points[b] - points[a], points[b + 1] - points[a + 1], points[b + 2] - points[a + 2]
+            v0, v1, v2 = points[c] - points[a], points[c + 1] - points[a + 1], points[c + 2] - points[a + 2]
+            w0, w1, w2 = points[d] - points[a], points[d + 1] - points[a + 1], points[d + 2] - points[a + 2]
+            t0, t1, t2 = places[x] - points[a], places[x + 1] - points[a + 1], places[x + 2] - points[a + 2]
+            n0, n1, n2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
+            volume = u0 * n0 + u1 * n1 + u2 * n2
+            second, third, fourth, first = -np.inf, -np.inf, -np.inf, -np.inf
+            if volume != 0:
+                second = (n0 * t0 + n1 * t1 + n2 * t2) / volume
+                n0, n1, n2 = w1 * u2 - w2 * u1, w2 * u0 - w0 * u2, w0 * u1 - w1 * u0
+                third = (n0 * t0 + n1 * t1 + n2 * t2) / volume
+                n0, n1, n2 = u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0
+                fourth = (n0 * t0 + n1 * t1 + n2 * t2) / volume
+                first = 1 - (second + third + fourth)
+            if min(first, second, third, fourth) >= on_facet:
+                break
+            target, lowest = -1, np.inf
+            if neighbors[s] >= 0 and first < 0:
+                target, lowest = neighbors[s], first
+            if neighbors[s + 1] >= 0 and second < 0 and second < lowest:
+                target, lowest = neighbors[s + 1], second
+            if neighbors[s + 2] >= 0 and third < 0 and third < lowest:
+                target, lowest = neighbors[s + 2], third
+            if neighbors[s + 3] >= 0 and fourth < 0 and fourth < lowest:
+                target, lowest = neighbors[s + 3], fourth
+            steps += 1
+            cell = target if steps < longest else -1
+        at[i] = cell
 
 
 def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick = silent) -> MedialNodes:
@@ -189,3 +244,25 @@ def _with_barycentres(
     circumradii[lost] = np.sqrt(((corners - centres[lost, None]) ** 2).sum(axis=2).min(axis=1))
     homes[lost] = lost
     return MedialNodes(centres, circumradii, homes)
+
+
+def facing(coordinates: Floats, simplices: Ints, nodes: MedialNodes, tick: Tick = silent) -> Floats:
+    """(m,) how well the corners of each simplex face one another across its node, from 0 to 1.
+
+    1 when every corner has one opposite to it: the node lies midway between two sides of the object. Less where
+    three sides meet, or where a branch dives from a wide place into a narrow one: there the surface is near on one
+    side only. It is the least, over the corners, of (1 - cos) / 2 of the largest angle to another corner.
+    """
+    result = np.empty(len(simplices))
+
+    def work(piece: slice) -> None:
+        ways = coordinates[simplices[piece]] - nodes.positions[piece, None]
+        ways = ways / np.maximum(np.sqrt((ways**2).sum(axis=2, keepdims=True)), 1e-300)
+        width = ways.shape[1]
+        cosines = np.ones((len(ways), width, width))
+        for i, j in combinations(range(width), 2):
+            cosines[:, i, j] = cosines[:, j, i] = (ways[:, i] * ways[:, j]).sum(axis=1)
+        result[piece] = ((1 - cosines.min(axis=2)) / 2).min(axis=1)
+
+    for_chunks(work, len(simplices), tick)
+    return np.clip(result, 1e-3, 1)

@@ -1,7 +1,7 @@
 """The medial tree: from every node the cheapest way to the widest one, and what hangs below each node.
 
-A step costs its length over the square of the strength (the burn time) on the way: paths run along the ridges of
-the strength, in a plate along its middle.
+A step costs its length over the fourth power of the strength on the way (burn time, and how well the sides face each
+other there): paths run along the ridges of the strength, in a plate along its middle.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 SECONDS_PER_NODE = 2e-6
+COST_POWER = 4
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def medial_tree(
     ----------
     positions : (m, d) float
     strength : (m,) float
-        Burn times, positive.
+        Positive; what a path likes.
     cut : (f,) bool
         1-cells that are no way.
     """
@@ -106,7 +107,7 @@ def _ways(cells: DualComplex, cut: Bools) -> tuple[Ints, Ints, Ints]:
 def _step_costs(cells: DualComplex, positions: Floats, strength: Floats) -> Floats:
     first, second = cells.facets.T
     length = np.sqrt(((positions[first] - positions[second]) ** 2).sum(axis=1))
-    return length / (0.5 * (strength[first] + strength[second])) ** 2
+    return length / (0.5 * (strength[first] + strength[second])) ** COST_POWER
 
 
 def _paths_loop(  # type: ignore[no-untyped-def]

@@ -19,7 +19,7 @@ Bools = NDArray[np.bool_]
 
 STEP = 0.25  # distance between samples, in radii
 WINDOW = 0.3  # standard deviation of the weights of the average over nodes, in radii
-RELAXATIONS = 8
+RELAXATIONS = 2
 FARTHEST = 0.25  # a sample moves this far from the average at most, in radii
 
 
