@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 FINEST = 0.015  # significance below which no branch is looked for
-LEAST_EXCESS = 0.003  # of the diagonal: no branch reaches out of its parent's ball by less
+LEAST_EXCESS = 0.006  # of the diagonal: no branch reaches out of its parent's ball by less
 JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
@@ -105,6 +105,14 @@ class Exposure:
         edge, limb = significance_of(np.maximum(self.excess, 0) / diagonal, alone, self.ratio)
         return np.maximum(limb, np.minimum(EDGE * edge, EDGE_LIMIT))
 
+    def drop_covered(self, diagonal: float) -> Floats:
+        """Forget the candidates that are of no significance, for good; significance of the others."""
+        values = self.significance(diagonal)
+        alive = values >= FINEST
+        self.candidates, self.alone = self.candidates[alive], self.alone[alive]
+        self.excess, self.ratio = self.excess[:, alive], self.ratio[:, alive]
+        return np.asarray(values[alive])
+
     def add_end(self, node: int) -> None:
         """Draw an end."""
         away = self.balls.positions[self.candidates] - self.balls.positions[node]
@@ -142,10 +150,10 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
 
 def _diagonals(tree: MedialTree, positions: Floats, radii: Floats) -> Floats:
     """(c,) diagonal of the box around each component's balls."""
-    n = len(tree.roots)
-    low, high = np.full((n, positions.shape[1]), np.inf), np.full((n, positions.shape[1]), -np.inf)
-    np.minimum.at(low, tree.component, positions - radii[:, None])
-    np.maximum.at(high, tree.component, positions + radii[:, None])
+    order = np.argsort(tree.component, kind="stable")
+    first = np.flatnonzero(np.diff(tree.component[order], prepend=-1))
+    low = np.minimum.reduceat((positions - radii[:, None])[order], first, axis=0)
+    high = np.maximum.reduceat((positions + radii[:, None])[order], first, axis=0)
     return np.sqrt(((high - low) ** 2).sum(axis=1))
 
 
@@ -182,12 +190,12 @@ def _grow(
     limit = np.inf
     while True:
         tick(0.0)
-        values = exposure.significance(diagonal)
-        best = int(values.argmax())
-        if values[best] < FINEST:
+        values = exposure.drop_covered(diagonal)
+        if len(values) == 0:
             return found
+        best = int(values.argmax())
         limit = min(limit, float(values[best]))
-        path = _path_to_skeleton(parent, balls, int(candidates[best]), on_skeleton, kept)
+        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, kept)
         path = path[_end_of_tip(balls, path, TIP_SHARE * float(exposure.excess[0, best])) :]
         exposure.excess[:, best] = -np.inf
         if len(path) < 2:

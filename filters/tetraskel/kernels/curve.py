@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from tetraskel.errors import InputError, InsideWarning, TetraskelError
+from tetraskel.kernels.attachment import anchor_points, points_of_anchors
 from tetraskel.kernels.branches import Branches, grow_branches
 from tetraskel.kernels.burning import burn_times
 from tetraskel.kernels.chains import merge_close_junctions, trace_chains
@@ -54,6 +55,8 @@ class CurveModel:
     branches : Branches
     loops : Loops
     cavities : int
+    anchors : (n,) int
+        For each point of the mesh the node of the finest skeleton on the way from its widest simplex to the root.
     """
 
     inner: InnerMesh
@@ -62,6 +65,7 @@ class CurveModel:
     branches: Branches
     loops: Loops
     cavities: int
+    anchors: Ints
 
 
 def curve_skeleton(
@@ -168,7 +172,8 @@ def curve_model(
     tree = medial_tree(cells, nodes.positions, strength, loops.cut, _part(tick, 0.8, 0.9))
     core = loop_core(tree, cells, loops.crossings, loops.cut, _part(tick, 0.9, 0.92))
     branches = grow_branches(core, nodes.positions, nodes.radii, burn, _part(tick, 0.92, 1.0))
-    return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures)
+    anchors = anchor_points(inner, nodes, core, branches, tick)
+    return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
 
 
 def _part(tick: Tick, start: float, stop: float) -> Tick:
@@ -233,12 +238,13 @@ def draw_curve(
     edges = np.concatenate([model.core.edges, *drawn])
     graph_nodes = np.unique(np.concatenate([model.core.nodes, edges.ravel()]))
     chains = merge_close_junctions(trace_chains(graph_nodes, edges), nodes.positions, nodes.radii)
-    lines = smooth_lines(chains, nodes, model.inner, tree.parent)
+    lines = smooth_lines(chains, nodes, model.inner)
     component = tree.component[lines.nodes]
     skeleton, number = assemble(lines, component, _root_points(model, lines, component, root), _radii(model, lines))
     skeleton = replace(
         skeleton,
         points=lifted(skeleton.points, model.inner.mesh),
+        point_nodes=_point_nodes(model, lines, number),
         components=len(tree.roots),
         loops=len(model.loops.closing),
         loops_refused=len(model.loops.refused),
@@ -246,6 +252,14 @@ def draw_curve(
     )
     check_loops(skeleton)
     return skeleton
+
+
+def _point_nodes(model: CurveModel, lines: Lines, number: Ints) -> Ints:
+    """Skeleton point of every input point."""
+    found = points_of_anchors(model.anchors, model.core.tree, model.nodes.positions, lines)
+    mesh = model.inner.mesh
+    ids = mesh.point_map if len(mesh.point_map) else np.arange(len(mesh.points))
+    return number[found][ids] if len(number) else np.full(len(ids), -1)
 
 
 def check_loops(skeleton: Skeleton) -> None:

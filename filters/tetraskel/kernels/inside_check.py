@@ -50,12 +50,34 @@ def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
         ahead = inner.neighbors[at[active]]
         arrived[active] = (last >= ON_FACET).all(axis=1)
         leaves = (last < ON_FACET) & (last < first) & ((ahead != entered[active, None]) | (ahead < 0))
-        with np.errstate(invalid="ignore"):
-            when = np.where(leaves, first / (first - last), np.inf)  # simplices without volume give nan
-        way = np.where(np.isnan(when), np.inf, when).argmin(axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            when = np.where(leaves, first / (first - last), np.inf)
+        when[np.isnan(when)] = np.inf  # a simplex without volume is not passed: the edge counts as outside
+        way = when.argmin(axis=1)
         rows = np.arange(len(active))
         target = np.where(np.isfinite(when[rows, way]), ahead[rows, way], -1)
         going = ~arrived[active] & (target >= 0)
         entered[active], at[active] = at[active], target
         active = active[going]
     return arrived
+
+
+def facets_between(inner: InnerMesh, start: int, stop: int) -> Floats:
+    """(k, d) barycentres of the facets on a shortest way, in simplices, from one simplex to another.
+
+    Straight from one to the next, and from and to any place in the two simplices, no edge leaves the interior.
+    """
+    came_from, queue = {start: -1}, [start]
+    for cell in queue:  # grows while it is walked
+        if cell == stop:
+            break
+        for other in inner.neighbors[cell].tolist():
+            if other >= 0 and other not in came_from:
+                came_from[other] = cell
+                queue.append(other)
+    way = [stop]
+    while way[-1] != start:
+        way.append(came_from[way[-1]])
+    shared = [np.intersect1d(inner.simplices[a], inner.simplices[b]) for a, b in zip(way[:-1], way[1:], strict=True)]
+    middles = [inner.coordinates[points].mean(axis=0) for points in shared[::-1]]
+    return np.array(middles).reshape(len(middles), inner.coordinates.shape[1])

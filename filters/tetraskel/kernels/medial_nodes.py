@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
-from tetraskel.kernels.loops_in_python import numba_is_used, run_loop
+from tetraskel.kernels.loops_in_python import run_loop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -126,13 +126,9 @@ def walk_to(
     """Simplex that contains each place (k,), -1 where the walk from `start` to it leaves the mesh.
 
     A visibility walk: out of each simplex through the facet behind which the place lies deepest and that leads
-    somewhere. Compiled it goes place by place, else all places step at once; the arithmetic is the same.
+    somewhere. All places step at once; the number of rounds is the longest walk.
     """
     at = np.array(start, dtype=np.int64)
-    if simplices.shape[1] == 4 and numba_is_used():
-        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), places.ravel(), ON_FACET, LONGEST_WALK)
-        run_loop(_walk_loop, inputs, (at,), tick, 1e-6 * len(at))
-        return at
     active = np.arange(len(at))
     for round_ in range(LONGEST_WALK):
         if len(active) == 0:
@@ -167,13 +163,23 @@ def _step(
     return walking
 
 
-def _walk_loop(  # type: ignore[no-untyped-def]
-    points, simplices, neighbors, places, on_facet, longest, at
-):
-    """Tetrahedra only; the expressions of `barycentric_coordinates`, term by term."""
+def _walk_loop(points, simplices, neighbors, places, on_facet, longest, at):  # type: ignore[no-untyped-def]
+    """Where the circumcentre of each tetrahedron lies, -1 outside.
+
+    Centres of neighbours lie close together: the walk begins where the nearest centre of a neighbour was found, and
+    again at the tetrahedron itself if that fails. The steps are those of `walk_to`.
+    """
     for i in range(len(at)):
-        cell = at[i]
-        steps = 0
+        cell, steps, nearest = i, 0, np.inf
+        for k in range(4 * i, 4 * i + 4):
+            j = neighbors[k]
+            if 0 <= j < i and at[j] >= 0:
+                x, y = 3 * i, 3 * j
+                p0, p1, p2 = places[x] - places[y], places[x + 1] - places[y + 1], places[x + 2] - places[y + 2]
+                away = p0 * p0 + p1 * p1 + p2 * p2
+                if away < nearest:
+                    nearest, cell = away, at[j]
+        again = nearest < np.inf
         while cell >= 0:
             s = 4 * cell
             a, b, c, d, x = 3 * simplices[s], 3 * simplices[s + 1], 3 * simplices[s + 2], 3 * simplices[s + 3], 3 * i
@@ -204,6 +210,8 @@ def _walk_loop(  # type: ignore[no-untyped-def]
                 target, lowest = neighbors[s + 3], fourth
             steps += 1
             cell = target if steps < longest else -1
+            if cell < 0 and again:
+                cell, again = i, False
         at[i] = cell
 
 
@@ -222,16 +230,26 @@ def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Ti
         In the order of the simplices.
     """
     centres, circumradii, seen_through = circumcentres(coordinates, simplices, lambda share: tick(0.3 * share))
+    homes = _homes(coordinates, simplices, neighbors, centres, seen_through, lambda share: tick(0.3 + 0.7 * share))
+    homes[np.isnan(circumradii)] = -1
+    return _with_barycentres(coordinates, simplices, centres, circumradii, homes)
+
+
+def _homes(
+    coordinates: Floats, simplices: Ints, neighbors: Ints, centres: Floats, seen_through: Ints, tick: Tick
+) -> Ints:
+    """(m,) simplex that contains each circumcentre, -1 outside."""
     homes = np.arange(len(simplices))
+    if simplices.shape[1] == 4:
+        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), centres.ravel(), ON_FACET, LONGEST_WALK)
+        run_loop(_walk_loop, inputs, (homes,), tick, 2e-6 * len(homes))
+        return homes
     away = np.flatnonzero(seen_through >= 0)
     first_step = neighbors[away, seen_through[away]]
     homes[away] = -1
     away, first_step = away[first_step >= 0], first_step[first_step >= 0]
-    homes[away] = walk_to(
-        coordinates, simplices, neighbors, first_step, centres[away], lambda share: tick(0.3 + 0.7 * share)
-    )
-    homes[np.isnan(circumradii)] = -1
-    return _with_barycentres(coordinates, simplices, centres, circumradii, homes)
+    homes[away] = walk_to(coordinates, simplices, neighbors, first_step, centres[away], tick)
+    return homes
 
 
 def _with_barycentres(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chains import Chains
-from tetraskel.kernels.inside_check import stays_inside
+from tetraskel.kernels.inside_check import facets_between, stays_inside
 from tetraskel.kernels.inner_mesh import InnerMesh
-from tetraskel.kernels.medial_nodes import MedialNodes
+from tetraskel.kernels.medial_nodes import MedialNodes, walk_to
 from tetraskel.kernels.skeleton import line_edges
 
 Floats = NDArray[np.float64]
@@ -20,6 +20,7 @@ Bools = NDArray[np.bool_]
 STEP = 0.25  # distance between samples, in radii
 WINDOW = 0.3  # standard deviation of the weights of the average over nodes, in radii
 RELAXATIONS = 2
+PULLS = (0.5, 1.0)  # shares of the way back to the node for points whose edges leave the interior
 FARTHEST = 0.25  # a sample moves this far from the average at most, in radii
 
 
@@ -45,28 +46,24 @@ class Lines:
     nodes: Ints
 
 
-def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh, parent: Ints) -> Lines:
+def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh) -> Lines:
     """Average, relax and check.
 
     Samples a quarter radius apart are averages over the nodes around them, which takes out the zigzag; a few steps
     towards the neighbours' mean then round off corners and move junctions between their branches. Where an edge
-    leaves the interior the line goes back towards the nodes, and if need be through the simplices themselves.
-
-    Parameters
-    ----------
-    parent : (m,) int
-        Of the medial tree: it leads from simplex to simplex where a line has to be bent back.
+    leaves the interior the line goes back towards the nodes, and if need be from simplex to simplex.
     """
-    drawn = _sampled(chains, nodes)
-    relaxed = _relaxed(drawn, nodes)
-    for pull in (0.5, 1.0):
-        bad = _bad_points(relaxed, nodes, inner)
+    lines = _relaxed(_sampled(chains, nodes), nodes)
+    for pull in PULLS:
+        bad = _edges_outside(lines, nodes, inner)
         if not bad.any():
-            return relaxed
-        positions = relaxed.positions.copy()
-        positions[bad] += pull * (nodes.positions[relaxed.nodes[bad]] - positions[bad])
-        relaxed = Lines(positions, relaxed.offsets, relaxed.connectivity, relaxed.nodes)
-    return relaxed
+            return lines
+        points = np.unique(line_edges(lines.offsets, lines.connectivity)[bad])
+        positions = lines.positions.copy()
+        positions[points] += pull * (nodes.positions[lines.nodes[points]] - positions[points])
+        lines = replace(lines, positions=positions)
+    bad = _edges_outside(lines, nodes, inner)
+    return _bent_inside(lines, bad, nodes, inner) if bad.any() else lines
 
 
 def _sampled(chains: Chains, nodes: MedialNodes) -> Lines:
@@ -125,10 +122,31 @@ def _relaxed(lines: Lines, nodes: MedialNodes) -> Lines:
     return Lines(positions, lines.offsets, lines.connectivity, lines.nodes)
 
 
-def _bad_points(lines: Lines, nodes: MedialNodes, inner: InnerMesh) -> Bools:
-    """Points at the ends of edges that leave the interior."""
+def _edges_outside(lines: Lines, nodes: MedialNodes, inner: InnerMesh) -> Bools:
+    """(s,) edges that leave the interior."""
     edges = line_edges(lines.offsets, lines.connectivity)
-    good = stays_inside(inner, lines.positions, nodes.homes[lines.nodes], edges)
-    bad = np.zeros(len(lines.positions), bool)
-    bad[edges[~good]] = True
-    return bad
+    return ~stays_inside(inner, lines.positions, nodes.homes[lines.nodes], edges)
+
+
+def _bent_inside(lines: Lines, bad: Bools, nodes: MedialNodes, inner: InnerMesh) -> Lines:
+    """Lines whose bad edges go through the middles of the facets between the simplices of their ends."""
+    homes = walk_to(inner.coordinates, inner.simplices, inner.neighbors, nodes.homes[lines.nodes], lines.positions)
+    homes = np.where(homes >= 0, homes, nodes.homes[lines.nodes])
+    places, owners, rows, edge = [lines.positions], [lines.nodes], [], 0
+    n_points = len(lines.positions)
+    for start, stop in zip(lines.offsets[:-1], lines.offsets[1:], strict=True):
+        row = lines.connectivity[start:stop].tolist()
+        bent = row[:1]
+        for a, b in zip(row[:-1], row[1:], strict=True):
+            if bad[edge]:
+                route = facets_between(inner, int(homes[a]), int(homes[b]))
+                bent += range(n_points, n_points + len(route))
+                n_points += len(route)
+                places.append(route)
+                owners.append(np.full(len(route), lines.nodes[a]))
+            bent.append(b)
+            edge += 1
+        rows.append(bent)
+    offsets = np.concatenate([[0], np.cumsum([len(row) for row in rows])]).astype(np.int64)
+    connectivity = np.array([point for row in rows for point in row], dtype=np.int64)
+    return Lines(np.concatenate(places), offsets, connectivity, np.concatenate(owners))
