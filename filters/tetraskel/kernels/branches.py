@@ -53,7 +53,7 @@ class Branches:
     tips : (b,) int
         End node of each branch.
     significance : (b,) float
-        Non-increasing inside a component; of the whole sequence sorted.
+        Non-increasing; never more than that of the branch it grows from.
     """
 
     edges: list[Ints]
@@ -181,12 +181,16 @@ def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
 def _grow(
     parent: Ints, balls: Balls, start: Ints, candidates: Ints, diagonal: float, tick: Tick
 ) -> list[tuple[float, int, Ints]]:
-    """Branches of one component: significance, tip, edges."""
+    """Branches of one component: significance, tip, edges.
+
+    A bump that is fatter than it pokes out is worth less by the root of that, and no branch more than the one it
+    grows from.
+    """
     kept = start
     exposure = Exposure(balls, candidates)
     exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
-    on_skeleton = dict.fromkeys(kept.tolist())
+    on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
     limit = np.inf
     while True:
         tick(0.0)
@@ -196,13 +200,16 @@ def _grow(
         best = int(values.argmax())
         limit = min(limit, float(values[best]))
         path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, kept)
-        path = path[_end_of_tip(balls, path, TIP_SHARE * float(exposure.excess[0, best])) :]
+        excess = float(exposure.excess[0, best])
+        path = path[_end_of_tip(balls, path, TIP_SHARE * excess) :]
         exposure.excess[:, best] = -np.inf
         if len(path) < 2:
             continue
-        found.append((limit, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
+        fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
+        worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
+        found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
         exposure.add_end(int(path[0]))
-        on_skeleton.update(dict.fromkeys(path[:-1].tolist()))
+        on_skeleton.update(dict.fromkeys(path[:-1].tolist(), worth))
         kept = np.concatenate([kept, path[:-1]])
         exposure.cover(path[:-1])
 
@@ -218,7 +225,7 @@ def thinned(balls: Balls, path: Ints) -> Ints:
     return path[chosen]
 
 
-def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, None], kept: Ints) -> Ints:
+def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], kept: Ints) -> Ints:
     """Nodes from a tip up to the skeleton: to where the path enters a ball, then straight to its node."""
     path = [tip]
     while path[-1] not in on_skeleton:

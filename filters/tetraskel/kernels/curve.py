@@ -39,7 +39,7 @@ NEAREST = 6  # points whose mean distance is the local spacing
 FACING_POWER = 2  # how much paths prefer places midway between two sides of the object
 # detail -> least significance drawn; logarithms are interpolated in between
 DETAILS = (0.0, 0.5, 1.0)
-SIGNIFICANCES = (0.2, 0.075, 0.02)
+SIGNIFICANCES = (0.2, 0.072, 0.02)
 
 
 @dataclass(frozen=True)

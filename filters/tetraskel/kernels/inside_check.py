@@ -52,7 +52,9 @@ def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
         leaves = (last < ON_FACET) & (last < first) & ((ahead != entered[active, None]) | (ahead < 0))
         with np.errstate(invalid="ignore", divide="ignore"):
             when = np.where(leaves, first / (first - last), np.inf)
-        when[np.isnan(when)] = np.inf  # a simplex without volume is not passed: the edge counts as outside
+        # a simplex without volume has no inside to leave: on through any other facet
+        when[np.isneginf(first) & (ahead >= 0) & (ahead != entered[active, None])] = 0.0
+        when[np.isnan(when)] = np.inf
         way = when.argmin(axis=1)
         rows = np.arange(len(active))
         target = np.where(np.isfinite(when[rows, way]), ahead[rows, way], -1)

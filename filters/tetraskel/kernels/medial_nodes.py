@@ -20,9 +20,13 @@ Bools = NDArray[np.bool_]
 
 # Barycentric coordinates above this count as inside: a centre on a facet must not fall between two simplices.
 ON_FACET = -1e-9
-# A visibility walk in a Delaunay triangulation ends (Devillers, Pion, Teillaud 2002); in one that is not, or where
-# rounding decides, it may circle and is given up.
-LONGEST_WALK = 2000
+# Relative volume below which rounding of the input moves the circumcentre by more than it is worth.
+FLAT = 1e-6
+# A visibility walk in a Delaunay triangulation ends (Devillers, Pion, Teillaud 2002); where rounding decides, it may
+# circle. It then circles around its goal, and where it stands is taken for the answer.
+LONGEST_WALK = 500
+# A simplex whose squared volume is below this share of what its edges could span has none: rounding made it.
+EMPTY = 1e-24
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     """(k, d+1) barycentric coordinates of (k, d) places in k simplices; -inf in simplices without volume."""
     first, normals, volumes = barycentric_frames(coordinates, simplices)
     result = np.full(simplices.shape, -np.inf)
-    solid = volumes != 0
+    solid = volumes * volumes > EMPTY * _edge_products(coordinates, simplices)
     scale = np.where(solid, volumes, 1.0)
     weights = _dots(normals, (places - first)[:, None]) / scale[:, None]
     total = weights[:, 0] + weights[:, 1]
@@ -85,6 +89,14 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     result[solid, 1:] = weights[solid]
     result[solid, 0] = 1 - total[solid]
     return result
+
+
+def _edge_products(coordinates: Floats, simplices: Ints) -> Floats:
+    """(k,) product of the squared edges at the first corner: the largest squared volume (times d!) they can span."""
+    sides = coordinates[simplices[:, 1:]] - coordinates[simplices[:, :1]]
+    squares = _dots(sides, sides)
+    product = squares[:, 0] * squares[:, 1]
+    return np.asarray(product if squares.shape[1] == 2 else product * squares[:, 2])
 
 
 def _dots(a: Floats, b: Floats) -> Floats:
@@ -128,22 +140,21 @@ def walk_to(
     A visibility walk: out of each simplex through the facet behind which the place lies deepest and that leads
     somewhere. All places step at once; the number of rounds is the longest walk.
     """
-    at = np.array(start, dtype=np.int64)
+    at, came = np.array(start, dtype=np.int64), np.full(len(start), -1)
     active = np.arange(len(at))
     for round_ in range(LONGEST_WALK):
         if len(active) == 0:
             break
         if round_ % 4 == 3:
             tick(1 - len(active) / len(at))
-        active = active[_step(coordinates, simplices, neighbors, at, active, places)]
-    at[active] = -1
+        active = active[_step(coordinates, simplices, neighbors, at, came, active, places)]
     return at
 
 
 def _step(
-    coordinates: Floats, simplices: Ints, neighbors: Ints, at: Ints, active: Ints, places: Floats
+    coordinates: Floats, simplices: Ints, neighbors: Ints, at: Ints, came: Ints, active: Ints, places: Floats
 ) -> NDArray[np.bool_]:
-    """Move the active walkers one simplex on, in place; who walks on."""
+    """Move the active walkers one simplex on, in place, not back to where they came from; who walks on."""
     walking = np.zeros(len(active), bool)
 
     def work(piece: slice) -> None:
@@ -152,18 +163,20 @@ def _step(
         weights = barycentric_coordinates(coordinates, simplices[cells], places[walkers])
         ahead = neighbors[cells]
         arrived = weights.min(axis=1) >= ON_FACET
-        weights[(ahead < 0) | (weights >= 0)] = np.inf  # no way there, or the wrong way
+        weights[(ahead < 0) | (weights >= 0) | (ahead == came[walkers, None])] = np.inf  # no way, or the wrong one
         way = weights.argmin(axis=1)
         rows = np.arange(len(cells))
         target = np.where(weights[rows, way] == np.inf, -1, ahead[rows, way])
-        at[walkers] = np.where(arrived, cells, target)
+        at[walkers], came[walkers] = np.where(arrived, cells, target), cells
         walking[piece] = ~arrived & (target >= 0)
 
     for_chunks(work, len(active))
     return walking
 
 
-def _walk_loop(points, simplices, neighbors, places, on_facet, longest, at):  # type: ignore[no-untyped-def]
+def _walk_loop(  # type: ignore[no-untyped-def]
+    points, simplices, neighbors, places, on_facet, empty, longest, at
+):
     """Where the circumcentre of each tetrahedron lies, -1 outside.
 
     Centres of neighbours lie close together: the walk begins where the nearest centre of a neighbour was found, and
@@ -179,7 +192,7 @@ def _walk_loop(points, simplices, neighbors, places, on_facet, longest, at):  # 
                 away = p0 * p0 + p1 * p1 + p2 * p2
                 if away < nearest:
                     nearest, cell = away, at[j]
-        again = nearest < np.inf
+        again, came = nearest < np.inf, -1
         while cell >= 0:
             s = 4 * cell
             a, b, c, d, x = 3 * simplices[s], 3 * simplices[s + 1], 3 * simplices[s + 2], 3 * simplices[s + 3], 3 * i
@@ -190,7 +203,10 @@ def _walk_loop(points, simplices, neighbors, places, on_facet, longest, at):  # 
             n0, n1, n2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
             volume = u0 * n0 + u1 * n1 + u2 * n2
             second, third, fourth, first = -np.inf, -np.inf, -np.inf, -np.inf
-            if volume != 0:
+            edges = u0 * u0 + u1 * u1 + u2 * u2
+            edges *= v0 * v0 + v1 * v1 + v2 * v2
+            edges *= w0 * w0 + w1 * w1 + w2 * w2
+            if volume * volume > empty * edges:
                 second = (n0 * t0 + n1 * t1 + n2 * t2) / volume
                 n0, n1, n2 = w1 * u2 - w2 * u1, w2 * u0 - w0 * u2, w0 * u1 - w1 * u0
                 third = (n0 * t0 + n1 * t1 + n2 * t2) / volume
@@ -200,18 +216,20 @@ def _walk_loop(points, simplices, neighbors, places, on_facet, longest, at):  # 
             if min(first, second, third, fourth) >= on_facet:
                 break
             target, lowest = -1, np.inf
-            if neighbors[s] >= 0 and first < 0:
+            if 0 <= neighbors[s] != came and first < 0:
                 target, lowest = neighbors[s], first
-            if neighbors[s + 1] >= 0 and second < 0 and second < lowest:
+            if 0 <= neighbors[s + 1] != came and second < 0 and second < lowest:
                 target, lowest = neighbors[s + 1], second
-            if neighbors[s + 2] >= 0 and third < 0 and third < lowest:
+            if 0 <= neighbors[s + 2] != came and third < 0 and third < lowest:
                 target, lowest = neighbors[s + 2], third
-            if neighbors[s + 3] >= 0 and fourth < 0 and fourth < lowest:
+            if 0 <= neighbors[s + 3] != came and fourth < 0 and fourth < lowest:
                 target, lowest = neighbors[s + 3], fourth
             steps += 1
-            cell = target if steps < longest else -1
+            if steps == longest:
+                break
+            came, cell = cell, target
             if cell < 0 and again:
-                cell, again = i, False
+                came, cell, again = -1, i, False
         at[i] = cell
 
 
@@ -232,7 +250,47 @@ def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Ti
     centres, circumradii, seen_through = circumcentres(coordinates, simplices, lambda share: tick(0.3 * share))
     homes = _homes(coordinates, simplices, neighbors, centres, seen_through, lambda share: tick(0.3 + 0.7 * share))
     homes[np.isnan(circumradii)] = -1
+    flat = relative_volumes(coordinates, simplices) < FLAT
+    _borrow_centres(neighbors, flat, centres, circumradii, homes)
     return _with_barycentres(coordinates, simplices, centres, circumradii, homes)
+
+
+def relative_volumes(coordinates: Floats, simplices: Ints) -> Floats:
+    """(m,) volumes (times d!) over the d-th power of the root of the summed squared edges at the first corner."""
+    result = np.empty(len(simplices))
+
+    def work(piece: slice) -> None:
+        corners = coordinates[simplices[piece]]
+        squares = ((corners[:, 1:] - corners[:, :1]) ** 2).sum(axis=(1, 2))
+        volumes = np.abs(barycentric_frames(coordinates, simplices[piece])[2])
+        result[piece] = volumes / np.maximum(squares ** (0.5 * coordinates.shape[1]), 1e-300)
+
+    for_chunks(work, len(simplices))
+    return result
+
+
+def _borrow_centres(neighbors: Ints, flat: Bools, centres: Floats, circumradii: Floats, homes: Ints) -> None:
+    """Give flat simplices the centre of a neighbour, in place, one ring of simplices after another.
+
+    Four points almost on one circle, as the mirrored vertices of a symmetric mesh are, have no centre of their own:
+    every point of the axis between the centres on both sides is as good.
+    """
+    homes[flat] = -1
+    waiting = np.flatnonzero(flat)
+    known = ~flat & (homes >= 0)
+    while len(waiting):
+        beside = neighbors[waiting]
+        usable = (beside >= 0) & known[beside]
+        size = np.where(usable, circumradii[beside], -1.0)
+        best = size.argmax(axis=1)
+        rows = np.flatnonzero(usable.any(axis=1))
+        if len(rows) == 0:
+            return
+        lender = beside[rows, best[rows]]
+        borrower = waiting[rows]
+        centres[borrower], circumradii[borrower], homes[borrower] = centres[lender], circumradii[lender], homes[lender]
+        known[borrower] = True
+        waiting = np.delete(waiting, rows)
 
 
 def _homes(
@@ -241,7 +299,7 @@ def _homes(
     """(m,) simplex that contains each circumcentre, -1 outside."""
     homes = np.arange(len(simplices))
     if simplices.shape[1] == 4:
-        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), centres.ravel(), ON_FACET, LONGEST_WALK)
+        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), centres.ravel(), ON_FACET, EMPTY, LONGEST_WALK)
         run_loop(_walk_loop, inputs, (homes,), tick, 2e-6 * len(homes))
         return homes
     away = np.flatnonzero(seen_through >= 0)
