@@ -31,14 +31,24 @@ class Shape:
     def euler(self) -> int:
         return self.components - self.loops + self.cavities
 
+    @property
+    def outside_pieces(self) -> int:
+        """Pieces of the outside; in the plane a loop has a hole within."""
+        return 1 + (self.loops if len(self.low) == 2 else self.cavities)
+
     def probes(self, n: int, rng: np.random.Generator) -> Floats:
         """Random points of the bounding box."""
         return rng.uniform(self.low, self.high, (n, len(self.low)))
 
 
+def rough(points: Floats, rng: np.random.Generator) -> Floats:
+    """Off by 1e-4: Qhull takes minutes when thousands of points are exactly coplanar or cospherical."""
+    return points + rng.normal(0, 1e-4, points.shape)
+
+
 def on_sphere(n: int, rng: np.random.Generator) -> Floats:
     directions = rng.normal(size=(n, 3))
-    return directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return rough(directions / np.linalg.norm(directions, axis=1, keepdims=True), rng)
 
 
 def shares(n: int, areas: Floats, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -91,7 +101,7 @@ def torus(ring: float = 1.0, tube: float = 0.4) -> Shape:
     return Shape(sample, contains, (-r, -r, -tube), (r, r, tube), loops=1)
 
 
-def plate(width: float = 1.0, thickness: float = 0.1) -> Shape:
+def plate(width: float = 1.0, thickness: float = 0.15) -> Shape:
     """A thin box."""
     size = np.array([width, width, thickness])
     areas = np.repeat([size[1] * size[2], size[0] * size[2], size[0] * size[1]], 2)
@@ -100,7 +110,7 @@ def plate(width: float = 1.0, thickness: float = 0.1) -> Shape:
         side = shares(n, areas, rng)
         p = rng.uniform(0, size, (n, 3))
         p[np.arange(n), side // 2] = (side % 2) * size[side // 2]
-        return p
+        return rough(p, rng)
 
     return Shape(sample, lambda p: ((p > 0) & (p < size)).all(axis=1), (0, 0, 0), tuple(size))
 
@@ -164,7 +174,7 @@ def revolved(profile: list[list[float]]) -> Shape:
         radius = np.sqrt(r0**2 + rng.random(n) * (r1**2 - r0**2))
         t = np.where(r0 == r1, rng.random(n), (radius - r0) / np.where(r0 == r1, 1, r1 - r0))
         z, turn = ring[side, 1] + t * (ahead - ring)[side, 1], rng.uniform(0, 2 * np.pi, n)
-        return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+        return rough(np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1), rng)
 
     def contains(p: Floats) -> Bools:
         return in_rings(np.stack([np.hypot(p[:, 0], p[:, 1]), p[:, 2]], axis=1), [ring])
@@ -180,8 +190,8 @@ def bottle() -> Shape:
 
 def vessel() -> Shape:
     """A bottle of glass, open at its neck: its hollow is outside."""
-    return revolved([[0, 0], [1, 0], [1, 2], [0.55, 2.4], [0.55, 3], [0.3, 3], [0.3, 2.3], [0.75, 1.85], [0.75, 0.25],
-                     [0, 0.25]])  # fmt: skip
+    return revolved([[0, 0], [1, 0], [1, 2], [0.65, 2.4], [0.65, 3], [0.25, 3], [0.25, 2.2], [0.6, 1.8], [0.6, 0.4],
+                     [0, 0.4]])  # fmt: skip
 
 
 SOLIDS = {

@@ -2,25 +2,42 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.binary import BinaryTree, binarize
+from tetraskel.kernels.decode import decode_tree
+from tetraskel.kernels.flat import remove_flat
+from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.mesh import Triangulation, submesh
+from tetraskel.kernels.outline import inside_by_outline
+from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
+from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Aborted",
+    "BinaryTree",
     "EngineError",
     "InputError",
     "InsideWarning",
     "MeshError",
     "TetraskelError",
     "Tree",
+    "TreeSkeleton",
     "Triangulation",
+    "assemble_skeleton",
+    "binarize",
     "build_tree",
+    "decode_tree",
+    "gate_arrays",
+    "gate_tree",
+    "inside_by_outline",
     "interior",
+    "remove_flat",
     "submesh",
+    "tree_skeleton",
     "triangulate",
     "triangulation_of",
 ]

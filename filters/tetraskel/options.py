@@ -20,10 +20,15 @@ def option(
     unit: str = "",
     bounds: tuple[float, float] | None = None,
     choices: tuple[str, ...] = (),
-    advanced: bool = False,
+    when: tuple[str, str] | None = None,
+    flag: str = "",
 ) -> Any:
-    """A dataclass field that carries what the faces need to show it."""
-    metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "advanced": advanced}
+    """A dataclass field that carries what the faces need to show it.
+
+    `when` names another option and the word of it for which this one matters (a panel hides it otherwise); `flag` is
+    its name on the command line where that is not its own.
+    """
+    metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "when": when, "flag": flag}
     return field(default=default, metadata=metadata)
 
 
@@ -132,6 +137,14 @@ class InteriorOptions(Options):
         unit="room radius / door width",
         bounds=(1.0, 100.0),
     )
+    noise: float = option(
+        0.0,
+        "Gates narrower than this many times the local scatter of the points, estimated from them, are no doors: "
+        "rooms between noisy points are then not taken for objects. 0 switches it off; 2 suits noisy scans.",
+        unit="standard deviations",
+        bounds=(0.0, 100.0),
+    )
+
 
 
 ROOTS = ("paper", "widest", "point")

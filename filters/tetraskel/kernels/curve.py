@@ -168,7 +168,8 @@ def curve_model(
         tick=_part(tick, 0.65, 0.7),
     )
     burn = burn_times(cells, nodes.positions, nodes.radii, _part(tick, 0.7, 0.8))
-    strength = burn * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
+    burn = np.where(nodes.is_medial, burn, nodes.radii)
+    strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
     tree = medial_tree(cells, nodes.positions, strength, loops.cut, _part(tick, 0.8, 0.9))
     core = loop_core(tree, cells, loops.crossings, loops.cut, _part(tick, 0.9, 0.92))
     branches = grow_branches(core, nodes.positions, nodes.radii, burn, _part(tick, 0.92, 1.0))

@@ -63,43 +63,47 @@ class Forest:
 def complete_forest(parent: Ints, depth: Ints, tree_id: Ints) -> Forest:
     """The forest of these parents, depths and tree ids: sons ranked and counted, subtrees measured."""
     count = np.bincount(parent[parent >= 0], minlength=len(parent)).astype(np.uint8)
-    rank, size = np.zeros(len(parent), np.uint8), np.ones(len(parent), np.int32)
     levels = level_slices(depth)
     if len(levels) > MANY_LEVELS:
-        _measure_node_by_node(parent, rank, size)
+        rank, size = _measure_node_by_node(parent)
+    elif is_sorted(depth):
+        rank, size = _measure_level_by_level(parent, levels)
     else:
-        _measure_level_by_level(parent, by_level(depth), levels, rank, size)
+        order = np.argsort(depth, kind="stable")
+        number = np.append(np.argsort(order), -1)
+        rank, size = (values[number[:-1]] for values in _measure_level_by_level(number[parent[order]], levels))
     return Forest(parent, depth, rank, count, size, tree_id)
 
 
+def is_sorted(values: Ints) -> bool:
+    """Whether values never decrease."""
+    return bool(np.all(values[1:] >= values[:-1]))
+
+
 def level_slices(depth: Ints) -> list[slice]:
-    """Where each depth lies in `by_level(depth)`."""
+    """Where each depth lies when nodes are sorted by depth."""
     ends = np.cumsum(np.bincount(depth)) if len(depth) else np.empty(0, int)
     return [slice(int(start), int(end)) for start, end in zip([0, *ends[:-1]], ends, strict=False)]
 
 
-def by_level(depth: Ints) -> Ints:
-    """Node ids by increasing depth, in order of their numbers inside a depth."""
-    if np.all(depth[1:] >= depth[:-1]):
-        return np.arange(len(depth))
-    return np.argsort(depth, kind="stable")
+def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+    """Ranks and sizes of nodes numbered level by level: the sons of one parent are then neighbours."""
+    rank, size = np.zeros(len(parent), np.uint8), np.ones(len(parent), np.int32)
+    n_roots = levels[0].stop if levels else 0
+    first = n_roots + np.flatnonzero(np.diff(parent[n_roots:], prepend=-1))  # first sons
+    first_son = np.zeros(len(parent), np.int32)
+    first_son[parent[first]] = first
+    rank[n_roots:] = np.arange(n_roots, len(parent), dtype=np.int32) - first_son[parent[n_roots:]]
+    bounds = np.searchsorted(first, [level.start for level in levels[1:]] + [len(parent)])
+    for k in range(len(levels) - 1, 0, -1):
+        firsts = first[bounds[k - 1] : bounds[k]]
+        size[parent[firsts]] += np.add.reduceat(size[levels[k]], firsts - levels[k].start)
+    return rank, size
 
 
-def _measure_level_by_level(
-    parent: Ints, nodes: Ints, levels: list[slice], rank: NDArray[np.uint8], size: NDArray[np.int32]
-) -> None:
-    """Ranks and sizes, deepest level first: in a level the sons of one parent are neighbours."""
-    for level in reversed(levels[1:]):
-        sons = nodes[level]
-        parents = parent[sons]
-        first = np.flatnonzero(np.diff(parents, prepend=-1))
-        rank[sons] = np.arange(len(sons)) - np.repeat(first, np.diff(first, append=len(sons)))
-        size[parents[first]] += np.add.reduceat(size[sons], first)
-
-
-def _measure_node_by_node(parent: Ints, rank: NDArray[np.uint8], size: NDArray[np.int32]) -> None:
-    sizes, seen, parents = size.tolist(), [0] * len(parent), parent.tolist()
-    ranks = [0] * len(parent)
+def _measure_node_by_node(parent: Ints) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+    parents = parent.tolist()
+    sizes, seen, ranks = [1] * len(parents), [0] * len(parents), [0] * len(parents)
     for node, above in enumerate(parents):
         if above >= 0:
             ranks[node] = seen[above]
@@ -107,7 +111,7 @@ def _measure_node_by_node(parent: Ints, rank: NDArray[np.uint8], size: NDArray[n
     for node in range(len(parents) - 1, -1, -1):
         if parents[node] >= 0:
             sizes[parents[node]] += sizes[node]
-    rank[:], size[:] = ranks, sizes
+    return np.array(ranks, np.uint8), np.array(sizes, np.int32)
 
 
 def preorder(forest: Forest) -> NDArray[np.int32]:
@@ -125,6 +129,6 @@ def preorder(forest: Forest) -> NDArray[np.int32]:
 
 
 def _levels_below_roots(forest: Forest) -> Iterator[Ints]:
-    nodes = by_level(forest.depth)
+    nodes = np.argsort(forest.depth, kind="stable")
     for level in level_slices(forest.depth)[1:]:
         yield nodes[level]

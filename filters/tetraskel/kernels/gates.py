@@ -47,6 +47,8 @@ class GateTree:
         Radius of the largest room behind that gate.
     narrowest : (b,) float
         Width of the narrowest gate from that gate to that room.
+    facet : (b,) int
+        The gate itself as simplex * (d+1) + opposite vertex, -1 at the root.
     own_room : (b,) float
         Radius of the largest room in the basin itself, 0 where there is none.
     """
@@ -56,6 +58,7 @@ class GateTree:
     width: Floats
     room_radius: Floats
     narrowest: Floats
+    facet: Ints
     own_room: Floats
 
     @property
@@ -85,14 +88,15 @@ def gate_tree_of(neighbors: Ints, widths: Floats, rooms: Floats, tick: Tick = si
     links = maximum_spanning_tree(basins.count, basins.first, basins.second, basins.width)
     tick(0.8)
     tree = rooted(basins.count, basins.first[links], basins.second[links], basins.count - 1)
-    width = np.full(basins.count, np.inf)
+    width, facet = np.full(basins.count, np.inf), np.full(basins.count, -1)
     reached = tree.link >= 0
-    width[reached] = basins.width[links[tree.link[reached]]]
+    gates = links[tree.link[reached]]
+    width[reached], facet[reached] = basins.width[gates], basins.facets[gates]
     own_room = np.zeros(basins.count)
     np.maximum.at(own_room, basins.of_simplex[:-1], rooms)
     room_radius, narrowest = _largest_rooms(tree, width, own_room)
     tick(0.9)
-    return GateTree(basins, tree, width, room_radius, narrowest, own_room)
+    return GateTree(basins, tree, width, room_radius, narrowest, facet, own_room)
 
 
 def _largest_rooms(tree: RootedTree, width: Floats, own_room: Floats) -> tuple[Floats, Floats]:
@@ -115,7 +119,37 @@ def _largest_rooms(tree: RootedTree, width: Floats, own_room: Floats) -> tuple[F
     return radius, narrowest
 
 
-def inside_by_gates(tree: GateTree, *, ratio: float = InteriorOptions.ratio) -> Bools:
+@dataclass(frozen=True)
+class GateArrays:
+    """The gate tree on the simplices, to look at: what each simplex's basin has.
+
+    Attributes
+    ----------
+    width : (m,) float
+        Passage width of the gate that leads out (GateWidth), infinite where no gate does: outside itself.
+    room_radius : (m,) float
+        Largest room behind it (RoomRadius).
+    parent : (m,) int
+        Simplex on the other side of it, -1 for the outside or where there is no gate (GateParent).
+    """
+
+    width: Floats
+    room_radius: Floats
+    parent: Ints
+
+
+def gate_arrays(tree: GateTree, neighbors: Ints) -> GateArrays:
+    """What the gate tree knows, for each of the simplices with these (m, d+1) neighbours."""
+    basin = tree.basins.of_simplex[:-1]
+    cells, ahead = tree.facet // neighbors.shape[1], neighbors.ravel()[tree.facet]
+    leads_out = tree.basins.of_simplex[cells] == np.arange(tree.basins.count)  # else the gate is seen from beyond
+    beyond = np.where(tree.facet < 0, -1, np.where(leads_out, ahead, cells))
+    return GateArrays(tree.width[basin], tree.room_radius[basin], beyond[basin])
+
+
+def inside_by_gates(
+    tree: GateTree, *, ratio: float = InteriorOptions.ratio, least_width: Floats | float = 0.0
+) -> Bools:
     """(m,) simplices that lie inside an object.
 
     Parameters
@@ -123,20 +157,32 @@ def inside_by_gates(tree: GateTree, *, ratio: float = InteriorOptions.ratio) -> 
     tree : GateTree
     ratio : float
         How many times larger than its door a room must be, to lie on the other side of a surface.
+    least_width : float or (b,) float
+        Gates narrower than this, in the unit of the points, count as so wide: noise leaves rooms that small.
     """
-    is_door = (tree.room_radius > ratio * tree.width) & (tree.width <= NEARLY_NARROWEST * tree.narrowest)
+    wide_enough = tree.room_radius > ratio * np.maximum(tree.width, least_width)
+    is_door = wide_enough & (tree.width <= NEARLY_NARROWEST * tree.narrowest)
     regions = _regions(tree, is_door)
     inside = _opposite_sides(tree, regions, ratio)
     return inside[regions[tree.basins.of_simplex[:-1]]]
 
 
 def _regions(tree: GateTree, is_door: Bools) -> Ints:
-    """(b,) region of each basin: 0 the outside, then one for what lies behind each door."""
-    region = np.zeros(tree.basins.count, np.intp)
-    number = np.cumsum(is_door)
+    """(b,) region of each basin: 0 the outside, then one for what lies behind each door.
+
+    A neck has many gates nearly as narrow as its narrowest; they are one door. So the next door of a way only counts
+    once a room has been entered that is larger than the last door by more than "nearly".
+    """
+    n, parent = tree.basins.count, tree.tree.parent
+    entered, last, door = np.ones(n, bool), np.full(n, np.inf), np.full(n, -1)
     for level in tree.tree.levels[1:]:
-        region[level] = np.where(is_door[level], number[level], region[tree.tree.parent[level]])
-    return region
+        above = parent[level]
+        opens = is_door[level] & entered[above]
+        last[level] = np.where(opens, tree.width[level], last[above])
+        in_room = tree.own_room[level] > NEARLY_NARROWEST * last[level]
+        entered[level] = in_room | (entered[above] & ~opens)
+        door[level] = np.where(opens, level, door[above])
+    return np.unique(door, return_inverse=True)[1]
 
 
 def _opposite_sides(tree: GateTree, regions: Ints, ratio: float) -> Bools:

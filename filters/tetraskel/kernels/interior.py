@@ -1,4 +1,4 @@
-"""Which simplices of a triangulation lie inside the object: by gates, by an array, or all of them."""
+"""Which simplices of a triangulation lie inside the object, by whatever is known of it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,17 @@ from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.gates import gate_tree, inside_by_gates
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.noise import noise_at_gates
+from tetraskel.kernels.outline import checked_outline, even_odd
+from tetraskel.kernels.smoothing import smaller_surface
+from tetraskel.kernels.surface_side import inside_by_surface
 from tetraskel.options import InteriorOptions
 
 Bools = NDArray[np.bool_]
+
+# Of points on a surface nearly all lie between inside and outside, with noise of 1 % of the diagonal still more than
+# half; of points that fill a volume less than half do, however the gates divide them.
+LEAST_SHARE = 0.5
 
 
 def interior(
@@ -21,6 +29,9 @@ def interior(
     *,
     method: str = InteriorOptions.method,
     ratio: float = InteriorOptions.ratio,
+    noise: float = InteriorOptions.noise,
+    surface: tuple[ArrayLike, ArrayLike] | None = None,
+    outline: tuple[ArrayLike, ArrayLike] | None = None,
     labels: ArrayLike | None = None,
     tick: Tick = silent,
 ) -> Bools:
@@ -30,10 +41,15 @@ def interior(
     ----------
     mesh : Triangulation
         A Delaunay triangulation.
-    method : {"gates", "array", "all"}
+    method : {"gates", "surface", "outline", "array", "all"}
         See `InteriorOptions`.
-    ratio : float
+    ratio, noise : float
         See `InteriorOptions`; for "gates".
+    surface : (points (n, 3), triangles (t, 3)), optional
+        For "surface": closed, counter-clockwise as seen from outside.
+    outline : (points (k, 2), segments (s, 2)), optional
+        For "outline": closed lines. Triangles that the outline cuts are on their barycentre's side;
+        `inside_by_outline` makes a triangulation that follows the outline first.
     labels : (m,) array of numbers or booleans
         For "array": what is not 0 is inside.
     tick : callable, optional
@@ -49,20 +65,56 @@ def interior(
     InsideWarning
         When nothing lies inside.
     """
-    InteriorOptions(method=method, ratio=ratio)
+    InteriorOptions(method=method, ratio=ratio, noise=noise)
     if method == "all" or len(mesh) == 0:
         return np.ones(len(mesh), bool)
     if method == "array":
         return inside_by_labels(len(mesh), labels)
-    inside = inside_by_gates(gate_tree(mesh, tick=tick), ratio=ratio)
-    if not inside.any():
-        warnings.warn(
-            f"nothing lies inside: no room is {ratio:g} times larger than the widest way into it. The points may "
-            "fill a volume, lie on an open surface, or be too sparse; try method 'all' or a smaller ratio.",
-            InsideWarning,
-            stacklevel=2,
+    if method == "surface":
+        return inside_by_surface(mesh, *_needed(surface, method), tick=tick)
+    if method == "outline":
+        corners, edges = checked_outline(mesh, *_needed(outline, method))
+        return even_odd(mesh.points[mesh.simplices].mean(axis=1), corners, edges)
+    return _by_gates(mesh, ratio, noise, tick)
+
+
+def _needed(given: tuple[ArrayLike, ArrayLike] | None, method: str) -> tuple[ArrayLike, ArrayLike]:
+    if given is None:
+        raise InputError(f"expected a second input for method {method!r}, got none; give its points and cells.")
+    return given
+
+
+def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bools:
+    tree = gate_tree(mesh, tick=lambda done: tick(0.9 * done))
+    least_width = noise * noise_at_gates(mesh, tree) if noise else 0.0
+    inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
+    inside = smaller_surface(mesh, inside)
+    share = surface_share(mesh, inside)
+    if inside.any() and share >= LEAST_SHARE:
+        return inside
+    if inside.any():
+        reason = f"only {share:.0%} of the points lie between inside and outside; they fill a volume or are too noisy"
+        advice = "try method 'all', or 'surface' if there is one"
+    else:
+        reason = (
+            f"no room is {ratio:g} times larger than the widest way into it; the points lie on an open surface, on a "
+            "line, fill a volume, or are too few for the thickness of the object"
         )
-    return inside
+        advice = "try method 'all', or a smaller ratio"
+    warnings.warn(f"nothing lies inside: {reason}; {advice}.", InsideWarning, stacklevel=3)
+    return np.zeros(len(mesh), bool)
+
+
+def surface_share(mesh: Triangulation, inside: Bools) -> float:
+    """Share of the points that have simplices of both sides around them, or the outside of the mesh."""
+    touched = np.zeros((2, len(mesh.points)), bool)
+    touched[1, mesh.simplices[inside]] = True
+    touched[0, mesh.simplices[~inside]] = True
+    cells = np.flatnonzero(inside & (mesh.neighbors < 0).any(axis=1))
+    for vertex in range(mesh.dim + 1):
+        at_hull = cells[mesh.neighbors[cells, vertex] < 0]
+        touched[0, np.delete(mesh.simplices[at_hull], vertex, axis=1)] = True
+    return float(np.count_nonzero(touched.all(axis=0)) / max(len(mesh.points), 1))
 
 
 def inside_by_labels(n_simplices: int, labels: ArrayLike | None) -> Bools:

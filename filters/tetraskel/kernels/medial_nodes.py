@@ -42,11 +42,14 @@ class MedialNodes:
         the nearest point of all.
     homes : (m,) int
         Simplex that contains the position.
+    is_medial : (m,) bool
+        The position is a circumcentre.
     """
 
     positions: Floats
     radii: Floats
     homes: Ints
+    is_medial: Bools
 
 
 def barycentric_frames(coordinates: Floats, simplices: Ints) -> tuple[Floats, Floats, Floats]:
@@ -318,8 +321,9 @@ def _with_barycentres(
     corners = coordinates[simplices[lost]]
     centres[lost] = corners.mean(axis=1)
     circumradii[lost] = np.sqrt(((corners - centres[lost, None]) ** 2).sum(axis=2).min(axis=1))
+    is_medial = homes >= 0
     homes[lost] = lost
-    return MedialNodes(centres, circumradii, homes)
+    return MedialNodes(centres, circumradii, homes, is_medial)
 
 
 def facing(coordinates: Floats, simplices: Ints, nodes: MedialNodes, tick: Tick = silent) -> Floats:

@@ -59,42 +59,44 @@ def walk_breadth_first(
 
     front, stop, level_ends = root_cells.astype(np.intp), len(root_cells), [0]
     cell[:stop], entry[:stop], free[front] = front, root_entries, False
+    here = neighbors[front]  # (f, d+1) what lies around each simplex of the front
     while len(front):
         start = level_ends[-1]
-        here = rows[front].view(np.int32).reshape(-1, width)
-        keys = codes[front] * np.uint16(width) + entry[start:stop]
-        opposite = np.take(crossings, keys, axis=0)
-        opposite += np.arange(0, here.size, width)[:, None]
-        ahead = here.ravel()[opposite.ravel()].astype(np.intp)
+        keys = np.take(codes, front).astype(np.intp) * width + entry[start:stop]
+        opposite = np.take(crossings, keys, axis=0) + np.arange(0, here.size, width)[:, None]
+        ahead = np.take(here.ravel(), opposite.ravel()).astype(np.intp)
         candidates = np.flatnonzero(free[ahead])
-        targets = ahead[candidates]
+        targets = np.take(ahead, candidates)
         numbers = np.arange(len(targets), dtype=np.int32)
         claim[targets[::-1]] = numbers[::-1]
-        first = np.flatnonzero(claim[targets] == numbers)
-        targets, sources = targets[first], candidates[first] // (width - 1)
+        first = np.flatnonzero(np.take(claim, targets) == numbers)
+        targets, sources = np.take(targets, first), np.take(candidates, first) // (width - 1)
         level_ends.append(stop)
         start, stop = stop, stop + len(targets)
         free[targets] = False
         cell[start:stop] = targets
         parent[start:stop] = sources + level_ends[-2]
-        entry[start:stop] = _entries(rows[targets].view(np.int32).reshape(-1, width), front[sources])
+        here = np.take(rows, targets).view(np.int32).reshape(-1, width)
+        entry[start:stop] = _entries(here, np.take(front, sources))
         front = targets
         tick(stop / n)
     depth = np.repeat(np.arange(len(level_ends) - 1, dtype=np.int32), np.diff(level_ends))
     return Walk(cell[:stop], entry[:stop], parent[:stop], depth)
 
 
-def _packed_rows(neighbors: Ints) -> NDArray[np.void]:
+def _packed_rows(neighbors: Ints) -> NDArray[np.generic]:
     """The rows of the neighbour array as one item each, so that a row is fetched at once."""
     whole = np.ascontiguousarray(neighbors, np.int32)
-    return whole.view(np.dtype((np.void, whole.itemsize * whole.shape[1]))).ravel()
+    item = np.complex128 if whole.shape[1] == 4 else np.dtype((np.void, 12))
+    return whole.view(item).ravel()
 
 
 def _entries(rows: Ints, parents: Ints) -> Entries:
     """Column of each row that holds the parent's simplex."""
-    entry = np.zeros(len(rows), np.uint8)
-    for column in range(1, rows.shape[1]):
-        entry[rows[:, column] == parents] = column
+    is_parent = (rows == parents.astype(np.int32)[:, None]).view(np.uint8)
+    entry = is_parent[:, 1].copy()
+    for column in range(2, rows.shape[1]):
+        entry += is_parent[:, column] * np.uint8(column)
     return entry
 
 

@@ -1,0 +1,74 @@
+"""Draw the pictures of the documentation: `python docs/make_pictures.py`."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pyvista
+
+from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
+
+HERE = Path(__file__).resolve().parent
+SAMPLES = HERE.parent / "sample_data"
+INK, PAPER = "#30404f", "white"
+
+
+def table(name):
+    """A sample of coordinates as points."""
+    return pyvista.PolyData(np.loadtxt(SAMPLES / name, delimiter=",", skiprows=1))
+
+
+def run(source, *filters):
+    """The output of filters chained behind a source."""
+    filters[0].SetInputDataObject(0, source)
+    for before, after in itertools.pairwise(filters):
+        after.SetInputConnection(0, before.GetOutputPort())
+    return pyvista.wrap(filters[-1].run())
+
+
+def draw(plotter, cloud, skeleton, radius):
+    """Points as balls, the mesh as thin lines, the tree as tubes coloured by depth."""
+    edges = run(cloud, DelaunayMesh()).extract_all_edges()
+    plotter.add_mesh(edges, color="#b8c4cf", line_width=1.5)
+    plotter.add_mesh(cloud.glyph(geom=pyvista.Sphere(radius=radius), scale=False, orient=False), color=INK)
+    tubes = skeleton.tube(radius=radius * 0.5)
+    plotter.add_mesh(tubes, scalars="Depth", cmap="viridis", show_scalar_bar=False)
+    plotter.add_mesh(skeleton.glyph(geom=pyvista.Sphere(radius=radius), scale=False, orient=False), cmap="viridis",
+                     scalars="Depth", show_scalar_bar=False)  # fmt: skip
+
+
+def paper_figure():
+    """The binary tree of a polygon's triangulation and the ternary tree of a cloud in space, side by side."""
+    plotter = pyvista.Plotter(off_screen=True, shape=(1, 2), window_size=(1400, 620), border=False)
+    plotter.set_background(PAPER)
+    flat = table("polygon.csv")
+    draw(plotter, flat, run(flat, DelaunayMesh(), TreeBuilder()), 0.012 * flat.length)
+    plotter.view_xy()
+    plotter.camera.zoom(1.35)
+    plotter.subplot(0, 1)
+    cloud = table("cloud20.csv")
+    draw(plotter, cloud, run(cloud, DelaunayMesh(), TreeBuilder(), SkeletonOutput()), 0.010 * cloud.length)
+    plotter.view_vector((1, -2, 0.8), viewup=(0, 0, 1))
+    plotter.camera.zoom(1.35)
+    plotter.screenshot(HERE / "pictures" / "trees.png")
+
+
+def box_figure():
+    """The box of 8 displaced corners: branches on its sides, and the tree without flat tetrahedra."""
+    plotter = pyvista.Plotter(off_screen=True, shape=(1, 2), window_size=(1400, 560), border=False)
+    plotter.set_background(PAPER)
+    box = pyvista.read(SAMPLES / "box8.vtp")
+    for column, steps in enumerate(([], [FlatTetraRemoval()])):
+        plotter.subplot(0, column)
+        tree = run(box, DelaunayMesh(joggle=1e-6), TreeBuilder(), *steps)
+        draw(plotter, box, tree, 0.012 * box.length)
+        plotter.view_vector((1, -2, 0.8), viewup=(0, 0, 1))
+        plotter.camera.zoom(1.2)
+    plotter.screenshot(HERE / "pictures" / "box.png")
+
+
+if __name__ == "__main__":
+    paper_figure()
+    box_figure()

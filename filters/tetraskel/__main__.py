@@ -1,0 +1,7 @@
+"""`python -m tetraskel` is the command line."""
+
+import sys
+
+from tetraskel.cli import main
+
+sys.exit(main())

@@ -1,0 +1,35 @@
+"""Print where the ParaView plugin file is, to load it with Tools > Manage Plugins.
+
+With --shim, print the folder to put on PYTHONPATH for the ParaView 5.11 of Debian and Ubuntu instead, which cannot load
+any Python plugin without it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tetraskel.errors import InputError
+
+PACKAGE = Path(__file__).resolve().parents[1]
+PLACES = (PACKAGE.parents[1] / "plugin", PACKAGE / "paraview_plugin")  # a checkout, an installation
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What `tetraskel plugin-path` takes."""
+    parser.add_argument(
+        "--shim", action="store_true", help="print the folder that lets ParaView 5.11 of Debian load it"
+    )
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Print the path."""
+    print(PACKAGE / "paraview_shim" if chosen.shim else plugin_file())
+
+
+def plugin_file() -> Path:
+    """The plugin file of this installation."""
+    for place in PLACES:
+        if (place / "tetraskel_plugin.py").is_file():
+            return place / "tetraskel_plugin.py"
+    raise InputError("the plugin file tetraskel_plugin.py is missing from this installation; install tetraskel again.")

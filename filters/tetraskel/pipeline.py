@@ -1,0 +1,47 @@
+"""From points to the skeleton of their tree: the kernels in order."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.flat import remove_flat
+from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
+from tetraskel.kernels.tree import build_tree
+from tetraskel.kernels.triangulate import triangulate
+from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
+
+
+def tree_skeleton(
+    points: ArrayLike | Triangulation,
+    *,
+    engine: str = DelaunayOptions.engine,
+    joggle: float = DelaunayOptions.joggle,
+    traversal: str = TreeOptions.traversal,
+    centre: str = TreeOptions.centre,
+    threshold: float = FlatOptions.threshold,
+    keep_leaves: bool = SkeletonOptions.keep_leaves,
+    tick: Tick = silent,
+) -> TreeSkeleton:
+    """The paper's chain: triangulate, build the tree, remove flat simplices, draw the rest.
+
+    Parameters
+    ----------
+    points : (n, 2) or (n, 3) array, or Triangulation
+        A cloud, or a mesh to walk as it is (`engine` and `joggle` are then not used).
+    engine, joggle, traversal, centre, threshold, keep_leaves
+        See the options of each stage in `tetraskel.options`.
+    tick : callable, optional
+        Told the share of each stage done; may raise `Aborted`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> cloud = np.random.default_rng(0).random((100, 3))
+    >>> tree_skeleton(cloud).points.shape[1]
+    3
+    """
+    mesh = points if isinstance(points, Triangulation) else triangulate(points, engine=engine, joggle=joggle, tick=tick)
+    tree = remove_flat(build_tree(mesh, traversal=traversal, tick=tick), threshold=threshold, tick=tick)
+    return assemble_skeleton(tree, centre=centre, keep_leaves=keep_leaves)

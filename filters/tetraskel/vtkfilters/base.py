@@ -1,0 +1,206 @@
+"""What every filter shares: parameters from its options, errors that reach the caller, progress and abort."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import fields
+
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkDemandDrivenPipeline
+
+from tetraskel.errors import Aborted, InputError
+from tetraskel.options import Options, check_value
+
+PROGRESS_SECONDS = 0.1
+_OWN_ATTRIBUTES = ("InputType", "OutputType")  # set by VTKPythonAlgorithmBase
+
+
+def camel_case(name: str) -> str:
+    """`keep_leaves` is `KeepLeaves`."""
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+class SkeletonFilter(VTKPythonAlgorithmBase):
+    """Base of the filters.
+
+    A subclass names its `options` and implements `execute(inputs, outputs)`. For every option it then has
+    `SetName`, `GetName`, a property `name` and a keyword of the constructor.
+
+    Attributes
+    ----------
+    last_error : Exception or None
+        What went wrong in the last execution. VTK's own `Update()` does not tell; `run()` raises it.
+    """
+
+    options: type[Options] = Options
+    input_type = "vtkPointSet"
+    input_doc = ""
+    output_type = "vtkPolyData"
+    second_input = ()  # name, port, data type and meaning of an optional second input
+    n_outputs = 1
+
+    def __init_subclass__(cls, **keywords):
+        super().__init_subclass__(**keywords)
+        for declared in fields(cls.options):
+            _declare(cls, declared)
+
+    def __init__(self, **values):
+        self._values = {declared.name: declared.default for declared in fields(self.options)}
+        self._shown = 0.0
+        self._listening = False
+        self._last_error = None
+        super().__init__(
+            nInputPorts=2 if self.second_input else 1,
+            inputType=self.input_type,
+            nOutputPorts=self.n_outputs,
+            outputType=self.output_type,
+        )
+        for name, value in values.items():
+            setattr(self, name, value)
+
+    def __setattr__(self, name, value):
+        """Refuse names that are neither options nor VTK's own: a misspelt option must not pass silently."""
+        if not name.startswith("_") and name not in _OWN_ATTRIBUTES and not hasattr(type(self), name):
+            known = ", ".join(declared.name for declared in fields(self.options))
+            raise AttributeError(f"{type(self).__name__} has no option {name!r}; it has: {known or 'none'}.")
+        super().__setattr__(name, value)
+
+    @property
+    def last_error(self):
+        """What went wrong in the last execution, or None."""
+        return self._last_error
+
+    def execute(self, inputs, outputs):
+        """Fill the output data objects from the input data objects."""
+        raise NotImplementedError
+
+    def FillInputPortInformation(self, port, info):
+        """Called by VTK: what each input takes; the second one may be left unconnected."""
+        if port == 0:
+            info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), self.input_type)
+        else:
+            info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), self.second_input[2])
+            info.Set(vtkAlgorithm.INPUT_IS_OPTIONAL(), 1)
+        return 1
+
+    def RequestData(self, request, inInfo, outInfo):  # noqa: N803
+        """Called by VTK: hand the data objects to `execute`."""
+        inputs = [self._connected(vector) for vector in inInfo]
+        outputs = [vtkDataObject.GetData(outInfo, port) for port in range(self.n_outputs)]
+        self.execute(inputs, outputs)
+        return 1
+
+    @staticmethod
+    def _connected(vector):
+        return vtkDataObject.GetData(vector, 0) if vector.GetNumberOfInformationObjects() else None
+
+    def ProcessRequest(self, request, inInfo, outInfo):  # noqa: N803
+        """Called by VTK: keep an exception for `run()`, empty the output and print one line."""
+        self._silence_vtk()
+        if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
+            self._last_error = None
+        try:
+            return super().ProcessRequest(request, inInfo, outInfo)
+        except Exception as error:
+            self._last_error = error
+            self._empty_outputs(outInfo)
+            if isinstance(error, Aborted):
+                return 1
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+            return 0
+
+    def _silence_vtk(self):
+        """VTK's executive would add nine lines about our return value; an observer of its errors keeps them back."""
+        if not self._listening:
+            self._listening = True
+            for speaker in (self, self.GetExecutive()):
+                speaker.AddObserver("ErrorEvent", lambda *_: None)
+
+    def _empty_outputs(self, out_info):
+        for port in range(self.GetNumberOfOutputPorts()):
+            output = vtkDataObject.GetData(out_info, port)
+            if output is not None:
+                output.Initialize()
+
+    def run(self):
+        """Update the pipeline up to here and return the first output; raise what went wrong, here or upstream.
+
+        Raises
+        ------
+        TetraskelError
+            With the sentence that says what was expected, what came and what to do.
+        """
+        chain = list(_upstream(self))
+        for one in chain:
+            if one.last_error is not None:
+                one.Modified()  # VTK takes a failed filter for up to date
+        self.Update()
+        for one in chain:
+            if one.last_error is not None:
+                raise one.last_error
+        return self.GetOutputDataObject(0)
+
+    def tick(self, stage, start=0.0, stop=1.0):
+        """A callback for the kernels: tells VTK the share of this stage done; raises `Aborted` when asked to stop."""
+
+        def told(share):
+            now = time.monotonic()
+            if now - self._shown < PROGRESS_SECONDS:
+                return
+            self._shown = now
+            self.SetProgressText(stage)
+            self.UpdateProgress(start + (stop - start) * min(share, 1.0))
+            if self._stop_asked():
+                raise Aborted("stopped on request.")
+
+        return told
+
+    def _stop_asked(self):
+        check = getattr(self, "CheckAbort", None)  # VTK 9.3 and later
+        return bool(check() if check else self.GetAbortExecute())
+
+
+def _upstream(algorithm):
+    """This package's filters from the first one to `algorithm`."""
+    for port in range(algorithm.GetNumberOfInputPorts()):
+        for connection in range(algorithm.GetNumberOfInputConnections(port)):
+            yield from _upstream(algorithm.GetInputAlgorithm(port, connection))
+    if isinstance(algorithm, SkeletonFilter):
+        yield algorithm
+
+
+def _declare(cls, declared):
+    """Give a filter class the setter, getter and property of one option."""
+    name = declared.name
+
+    def set_value(self, value):
+        value = _converted(value, declared)
+        check_value(name, value, declared.metadata, declared.default)
+        if self._values[name] != value:
+            self._values[name] = value
+            self.Modified()
+
+    def get_value(self):
+        return self._values[name]
+
+    set_value.__doc__ = get_value.__doc__ = declared.metadata["doc"]
+    setattr(cls, f"Set{camel_case(name)}", set_value)
+    setattr(cls, f"Get{camel_case(name)}", get_value)
+    setattr(cls, name, property(get_value, set_value, doc=declared.metadata["doc"]))
+
+
+def _converted(value, declared):
+    """Words of a choice may also come as their number, switches and numbers in any numeric type."""
+    choices, default = declared.metadata["choices"], declared.default
+    if choices and isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(choices):
+        return choices[value]
+    if isinstance(default, bool):
+        return bool(value)
+    if isinstance(default, (int, float)) and not choices:
+        try:
+            return type(default)(value)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{declared.name} must be a number; got {value!r}.") from error
+    return value

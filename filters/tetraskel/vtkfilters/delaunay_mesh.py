@@ -1,0 +1,31 @@
+"""The filter that triangulates points."""
+
+from __future__ import annotations
+
+from tetraskel.kernels.triangulate import triangulate
+from tetraskel.options import DelaunayOptions
+from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.convert import add_arrays, add_facts, copy_rows, fill_grid, points_of
+
+
+class DelaunayMesh(SkeletonFilter):
+    """Points to the tetrahedra (triangles, if they lie in a plane) of their Delaunay triangulation.
+
+    Equal points are merged; the point array `OriginalPointIds` names the input point of each, and the other point
+    arrays are carried over. Field data: `Engine`, `InputPoints`, `DuplicatesMerged`.
+    """
+
+    options = DelaunayOptions
+    input_doc = "The points; cells are ignored."
+    output_type = "vtkUnstructuredGrid"
+
+    def execute(self, inputs, outputs):
+        """Triangulate the points of the input."""
+        source, grid = inputs[0], outputs[0]
+        mesh = triangulate(points_of(source), engine=self.engine, joggle=self.joggle, tick=self.tick("Triangulating"))
+        fill_grid(grid, mesh)
+        copy_rows(source.GetPointData(), grid.GetPointData(), mesh.original_ids)
+        add_arrays(grid.GetPointData(), {"OriginalPointIds": mesh.original_ids})
+        grid.GetFieldData().PassData(source.GetFieldData())
+        facts = {"Engine": mesh.engine, "InputPoints": len(mesh.point_map), "DuplicatesMerged": mesh.n_merged}
+        add_facts(grid, facts)

@@ -1,0 +1,71 @@
+"""The filter that removes flat simplices from a tree or a mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataObjectTypes
+
+from tetraskel.errors import InputError
+from tetraskel.kernels.flat import contract
+from tetraskel.kernels.mesh import submesh
+from tetraskel.kernels.quality import qualities
+from tetraskel.options import FlatOptions
+from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.convert import add_facts, array_of, copy_rows, fill_grid, mesh_of, points_of, to_cells
+from tetraskel.vtkfilters.treedata import copy_node_arrays, fill_tree, forest_arrays, forest_of
+
+
+class FlatTetraRemoval(SkeletonFilter):
+    """Remove simplices of quality 1/Qk below a threshold: contracted in a tree, dropped from a mesh.
+
+    In a tree the sons of a flat node move to its nearest kept ancestor; the output has the same arrays, those of the
+    hierarchy computed anew. Field data: `FlatRemoved`.
+    """
+
+    options = FlatOptions
+    input_doc = "A tree from TreeBuilder, or a mesh of tetrahedra or triangles."
+    output_type = "vtkPointSet"
+
+    def RequestDataObject(self, request, inInfo, outInfo):  # noqa: N803
+        """Called by VTK: the output has the input's type."""
+        source = self._connected(inInfo[0])
+        information = outInfo.GetInformationObject(0)
+        output = information.Get(vtkDataObject.DATA_OBJECT())
+        if source is not None and (output is None or not output.IsA(source.GetClassName())):
+            information.Set(vtkDataObject.DATA_OBJECT(), vtkDataObjectTypes.NewDataObject(source.GetClassName()))
+        return 1
+
+    def execute(self, inputs, outputs):
+        """Contract a tree, thin out a mesh."""
+        source, output = inputs[0], outputs[0]
+        if source.GetPointData().HasArray("ParentId"):
+            removed = self._contract(source, output)
+        else:
+            removed = self._drop_cells(source, output)
+        add_facts(output, {"FlatRemoved": removed})
+
+    def _contract(self, source, output):
+        forest, traversal = forest_of(source)
+        quality = array_of(source.GetPointData(), "Quality")
+        if quality is None:
+            raise InputError(
+                "expected a tree with the point array Quality, got none; connect the output of TreeBuilder."
+            )
+        kept_forest, kept = contract(forest, quality < self.threshold, traversal)
+        fill_tree(output, points_of(source)[kept], kept_forest, traversal)
+        copy_node_arrays(source, output, kept, tuple(forest_arrays(kept_forest)))
+        return len(forest) - len(kept)
+
+    def _drop_cells(self, source, output):
+        mesh = mesh_of(source)
+        keep = qualities(mesh, self.tick("Measuring the cells")) >= self.threshold
+        rest = submesh(mesh, keep)
+        if output.IsA("vtkPolyData"):
+            output.SetPoints(source.GetPoints())
+            output.SetPolys(to_cells(rest.simplices))
+        else:
+            fill_grid(output, rest)
+        output.GetPointData().PassData(source.GetPointData())
+        output.GetFieldData().PassData(source.GetFieldData())
+        copy_rows(source.GetCellData(), output.GetCellData(), np.flatnonzero(keep))
+        return int(len(mesh) - keep.sum())

@@ -1,0 +1,85 @@
+"""A filter's ParaView panel, written from its options: one XML block, so that order, words and tooltips are ours."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from xml.sax.saxutils import escape, quoteattr
+
+from tetraskel.vtkfilters.base import camel_case
+
+MENU = '<ShowInMenu category="Skeleton Tree"/>'
+
+
+def panel_xml(cls) -> str:
+    """Documentation, inputs and properties of a filter class, for `smproperty.xml`."""
+    first = _input("Input", 0, cls.input_type, cls.input_doc, "")
+    second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
+    properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
+    return "\n".join([_documentation(cls), first, second, properties])
+
+
+def label(name: str) -> str:
+    """`FlatTetraRemoval` is shown as "Flat Tetra Removal"; without the spaces it is the name in scripts."""
+    return "".join(" " + letter if letter.isupper() else letter for letter in name).strip()
+
+
+def _documentation(cls) -> str:
+    text = " ".join(cls.__doc__.replace("`", "").split())
+    first = text.split(". ")[0].rstrip(".") + "."
+    return f"<Documentation short_help={quoteattr(first)} long_help={quoteattr(first)}>{escape(text)}</Documentation>"
+
+
+def _input(name: str, port: int, data_type: str, doc: str, hints: str) -> str:
+    return (
+        f'<InputProperty name="{name}" command="SetInputConnection" port_index="{port}">'
+        f'<DataTypeDomain name="input_type"><DataType value="{data_type}"/></DataTypeDomain>'
+        f"<Documentation>{escape(doc)}</Documentation>{hints}</InputProperty>"
+    )
+
+
+def _property(declared, options) -> str:
+    name, metadata = camel_case(declared.name), declared.metadata
+    unit = f" Unit: {metadata['unit']}." if metadata["unit"] else ""
+    common = f'name="{name}" command="Set{name}" number_of_elements="1" default_values="{_default(declared)}"'
+    kind = _kind(declared)
+    documentation = f"<Documentation>{escape(metadata['doc'] + unit)}</Documentation>"
+    return f"<{kind} {common}>{_domain(declared)}{documentation}{_shown_when(declared, options)}</{kind}>"
+
+
+def _kind(declared) -> str:
+    if declared.metadata["choices"] or isinstance(declared.default, int):
+        return "IntVectorProperty"
+    return "StringVectorProperty" if isinstance(declared.default, str) else "DoubleVectorProperty"
+
+
+def _shown_when(declared, options) -> str:
+    """Hide an option that does not apply to the chosen word of another one."""
+    if not declared.metadata["when"]:
+        return ""
+    name, word = declared.metadata["when"]
+    (other,) = (field for field in fields(options) if field.name == name)
+    value = other.metadata["choices"].index(word) if other.metadata["choices"] else word
+    decorator = f'type="GenericDecorator" mode="visibility" property="{camel_case(name)}" value="{value}"'
+    return f"<Hints><PropertyWidgetDecorator {decorator}/></Hints>"
+
+
+def _default(declared) -> str:
+    if declared.metadata["choices"]:
+        return str(declared.metadata["choices"].index(declared.default))
+    return str(int(declared.default)) if isinstance(declared.default, bool) else str(declared.default)
+
+
+def _domain(declared) -> str:
+    metadata = declared.metadata
+    if metadata["choices"]:
+        entries = "".join(
+            f'<Entry value="{k}" text={quoteattr(word.capitalize())}/>' for k, word in enumerate(metadata["choices"])
+        )
+        return f'<EnumerationDomain name="enum">{entries}</EnumerationDomain>'
+    if isinstance(declared.default, bool):
+        return '<BooleanDomain name="bool"/>'
+    if metadata["bounds"] is None:
+        return ""
+    kind = "DoubleRangeDomain" if isinstance(declared.default, float) else "IntRangeDomain"
+    low, high = metadata["bounds"]
+    return f'<{kind} name="range" min="{low}" max="{high}"/>'

@@ -1,0 +1,61 @@
+"""The tetraskel plugin for ParaView: Tools > Manage Plugins > Load New, and the filters are under Skeleton Tree.
+
+Declarations only. The filters come from the package beside this file: `../filters/tetraskel` in a checkout, the folder
+above in an installation. It is loaded from there by its path; nothing else of an environment gets onto ParaView's path,
+where a second VTK would end the program.
+"""
+
+import importlib.util
+import os
+import sys
+
+
+def _load_package():
+    """Import tetraskel from beside this file, or from wherever Python finds it."""
+    here = os.path.dirname(os.path.realpath(__file__))
+    for folder in (os.path.join(os.path.dirname(here), "filters", "tetraskel"), os.path.dirname(here)):
+        start = os.path.join(folder, "__init__.py")
+        if "tetraskel" not in sys.modules and os.path.basename(folder) == "tetraskel" and os.path.isfile(start):
+            spec = importlib.util.spec_from_file_location("tetraskel", start, submodule_search_locations=[folder])
+            sys.modules["tetraskel"] = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(sys.modules["tetraskel"])
+    return importlib.import_module("tetraskel")
+
+
+tetraskel = _load_package()
+
+from paraview.util.vtkAlgorithm import smhint, smproperty, smproxy  # noqa: E402
+
+from tetraskel import vtkfilters  # noqa: E402
+from tetraskel.vtkfilters.paraview_xml import MENU, label, panel_xml  # noqa: E402
+
+paraview_plugin_name = "tetraskel"
+paraview_plugin_version = tetraskel.__version__
+
+
+@smproxy.filter(name="DelaunayMesh", label=label("DelaunayMesh"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.DelaunayMesh))
+class DelaunayMesh(vtkfilters.DelaunayMesh):
+    """Points to Delaunay tetrahedra or triangles."""
+
+
+@smproxy.filter(name="TreeBuilder", label=label("TreeBuilder"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.TreeBuilder))
+class TreeBuilder(vtkfilters.TreeBuilder):
+    """Mesh to the binary or ternary tree of its cells."""
+
+
+@smproxy.filter(name="FlatTetraRemoval", label=label("FlatTetraRemoval"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.FlatTetraRemoval))
+class FlatTetraRemoval(vtkfilters.FlatTetraRemoval):
+    """Tree or mesh without its flat simplices."""
+
+
+@smproxy.filter(name="SkeletonOutput", label=label("SkeletonOutput"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.SkeletonOutput))
+class SkeletonOutput(vtkfilters.SkeletonOutput):
+    """Tree to skeleton."""
