@@ -13,7 +13,7 @@ from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.loops_in_python import run_loop
 from tetraskel.kernels.medial_nodes import MedialNodes
 from tetraskel.kernels.medial_tree import MedialTree
-from tetraskel.kernels.smoothing import Lines
+from tetraskel.kernels.curve_lines import Lines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

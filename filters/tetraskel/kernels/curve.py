@@ -25,9 +25,9 @@ from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import passage_widths
-from tetraskel.kernels.skeleton import Skeleton
-from tetraskel.kernels.skeleton_arrays import assemble
-from tetraskel.kernels.smoothing import Lines, smooth_lines
+from tetraskel.kernels.curve_skeleton import Skeleton
+from tetraskel.kernels.curve_arrays import assemble
+from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.skeleton import Skeleton
+from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.surface_rays import (
     Surface,
     first_hits,
