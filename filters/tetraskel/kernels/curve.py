@@ -274,8 +274,7 @@ def _radii(model: CurveModel, lines: Lines) -> Floats:
     """Distance to the nearest point of the object."""
     if len(lines.positions) == 0:
         return np.empty(0)
-    cloud = cKDTree(model.inner.coordinates, compact_nodes=False, balanced_tree=False)
-    return cloud.query(lines.positions)[0]
+    return np.asarray(model.inner.cloud.query(lines.positions)[0])
 
 
 def _root_points(model: CurveModel, lines: Lines, component: Ints, root: str | ArrayLike) -> Ints:

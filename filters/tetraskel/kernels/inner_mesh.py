@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.passage_widths import passage_widths
 from tetraskel.kernels.points import morton_order
 
 Floats = NDArray[np.float64]
@@ -36,6 +39,18 @@ class InnerMesh:
     neighbors: Ints
     point_ids: Ints
     mesh: Triangulation
+
+    @cached_property
+    def cloud(self) -> cKDTree:
+        """The points, for questions about the nearest."""
+        return cKDTree(self.coordinates, compact_nodes=False, balanced_tree=False)
+
+    @cached_property
+    def widest_door(self) -> float:
+        """Largest passage width of the boundary's facets: no place on the boundary is farther from all points."""
+        cells = np.flatnonzero((self.neighbors < 0).any(axis=1))
+        widths = passage_widths(self.coordinates, self.simplices[cells])
+        return float(widths[self.neighbors[cells] < 0].max(initial=0.0))
 
 
 def inner_mesh(mesh: Triangulation, inside: Bools) -> InnerMesh:

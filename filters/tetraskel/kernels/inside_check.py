@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.inner_mesh import InnerMesh
-from tetraskel.kernels.medial_nodes import LONGEST_WALK, ON_FACET, barycentric_coordinates, walk_to
+from tetraskel.kernels.medial_nodes import ON_FACET, barycentric_coordinates, walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+
+LONGEST_EDGE = 5000  # simplices that one edge may cross
 
 
 def stays_inside(inner: InnerMesh, positions: Floats, near: Ints, edges: Ints) -> Bools:
@@ -24,12 +26,31 @@ def stays_inside(inner: InnerMesh, positions: Floats, near: Ints, edges: Ints) -
     edges : (s, 2) int
         Pairs of points.
     """
-    homes = walk_to(inner.coordinates, inner.simplices, inner.neighbors, near, positions)
-    good = homes[edges].min(axis=1, initial=0) >= 0
-    followed = np.flatnonzero(good)
-    a, b = edges[followed].T
-    good[followed] = _follow(inner, homes[a], positions[a], positions[b])
+    good = _is_clear(inner, positions, edges)
+    unsure = np.flatnonzero(~good)
+    if len(unsure) == 0:
+        return good
+    points = np.unique(edges[unsure])
+    homes = np.full(len(positions), -1, np.int64)
+    homes[points] = walk_to(inner.coordinates, inner.simplices, inner.neighbors, near[points], positions[points])
+    unsure = unsure[homes[edges[unsure]].min(axis=1) >= 0]
+    a, b = edges[unsure].T
+    good[unsure] = _follow(inner, homes[a], positions[a], positions[b])
     return good
+
+
+def _is_clear(inner: InnerMesh, positions: Floats, edges: Ints) -> Bools:
+    """Edges too far from every point to cross the boundary.
+
+    No place on the boundary is farther from the nearest point than its widest door, and no place on an edge ab is
+    nearer to a point than (r_a + r_b - |ab|) / 2, with r the distances of the ends.
+    """
+    if len(positions) == 0:
+        return np.zeros(len(edges), bool)
+    radii = inner.cloud.query(positions)[0]
+    a, b = edges.T
+    long = np.sqrt(((positions[a] - positions[b]) ** 2).sum(axis=1))
+    return np.asarray(0.5 * (radii[a] + radii[b] - long) > inner.widest_door)
 
 
 def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
@@ -41,7 +62,7 @@ def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
     at, entered = cells.copy(), np.full(len(cells), -1)
     arrived = np.zeros(len(cells), bool)
     active = np.arange(len(cells))
-    for _ in range(LONGEST_WALK):
+    for _ in range(LONGEST_EDGE):
         if len(active) == 0:
             break
         here = inner.simplices[at[active]]
