@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +28,10 @@ class Tube:
         """n random points of the surface, each moved by a normal error of `noise` diagonals."""
         rng = np.random.default_rng(seed)
         pieces: list[Floats] = []
+        tubes = list(zip(self.axes, self.radii, strict=True))
         while sum(map(len, pieces)) < n:
-            candidates = np.concatenate([around(axis, r, n, rng) for axis, r in zip(self.axes, self.radii, strict=True)])
-            depth = np.min([distance_to(axis, candidates) - r for axis, r in zip(self.axes, self.radii, strict=True)], 0)
+            candidates = np.concatenate([around(axis, r, n, rng) for axis, r in tubes])
+            depth = np.min([distance_to(axis, candidates) - r for axis, r in tubes], axis=0)
             pieces.append(candidates[depth > -1e-9])
         points = rng.permutation(np.concatenate(pieces))[:n]
         diagonal = np.linalg.norm(np.ptp(points, axis=0))
@@ -70,7 +72,7 @@ def around(axis: Floats, radius: float, n: int, rng: np.random.Generator) -> Flo
 def distance_to(axis: Floats, places: Floats) -> Floats:
     """Distance from places to a polyline."""
     best = np.full(len(places), np.inf)
-    for a, b in zip(axis[:-1], axis[1:], strict=True):
+    for a, b in pairwise(axis):
         share = np.clip((places - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
         best = np.minimum(best, np.linalg.norm(places - a - share[:, None] * (b - a), axis=1))
     return best

@@ -146,7 +146,6 @@ class InteriorOptions(Options):
     )
 
 
-
 ROOTS = ("paper", "widest", "point")
 
 

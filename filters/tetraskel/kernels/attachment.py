@@ -9,11 +9,11 @@ from scipy.spatial import cKDTree
 from tetraskel.kernels.branches import Branches
 from tetraskel.kernels.chunks import Tick
 from tetraskel.kernels.core import Core
+from tetraskel.kernels.curve_lines import Lines
 from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.loops_in_python import run_loop
 from tetraskel.kernels.medial_nodes import MedialNodes
 from tetraskel.kernels.medial_tree import MedialTree
-from tetraskel.kernels.curve_lines import Lines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

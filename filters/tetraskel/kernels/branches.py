@@ -26,10 +26,11 @@ JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
-TIP = (0.45, 0.3)
+TIP = (0.5, 0.2)
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
+FINE_SAMPLE = 0.06  # where an end is looked for
 # A bump is judged by how far it pokes out in diagonals of the object, a limb also by its own slenderness: beyond
 # this ratio of distance to cover it counts for more, so that the twigs of a large tree are branches too.
 ALONE = 0.25  # an end farther than this from all others, in diagonals, is no more alone
@@ -157,9 +158,7 @@ def _diagonals(tree: MedialTree, positions: Floats, radii: Floats) -> Floats:
     return np.sqrt(((high - low) ** 2).sum(axis=1))
 
 
-def _candidates(
-    tree: MedialTree, length: Floats, reach: Floats, tip: Ints, radii: Floats, diagonals: Floats
-) -> Ints:
+def _candidates(tree: MedialTree, length: Floats, reach: Floats, tip: Ints, radii: Floats, diagonals: Floats) -> Ints:
     """Tips of all paths that leave a longer one and reach out of its ball by more than the finest significance."""
     sons = np.flatnonzero(tree.parent >= 0)
     above = tree.parent[sons]
@@ -214,12 +213,12 @@ def _grow(
         exposure.cover(path[:-1])
 
 
-def thinned(balls: Balls, path: Ints) -> Ints:
-    """Nodes of a path about a quarter radius apart, both ends among them."""
+def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
+    """Nodes of a path about a quarter radius (or `apart` radii) apart, both ends among them."""
     if len(path) < 3:
         return path
     step = np.sqrt((np.diff(balls.positions[path], axis=0) ** 2).sum(axis=1))
-    scaled = np.cumsum(np.append(0, step / (SAMPLE * np.maximum(balls.radii[path[1:]], 1e-300))))
+    scaled = np.cumsum(np.append(0, step / (apart * np.maximum(balls.radii[path[1:]], 1e-300))))
     chosen = np.append(True, np.floor(scaled[1:]) > np.floor(scaled[:-1]))
     chosen[-1] = True
     return path[chosen]
@@ -240,7 +239,7 @@ def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[in
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
     """Where to cut a path that begins at its tip: what is cut pokes out of the ball there by little, never `most`."""
-    sparse = thinned(balls, path)
+    sparse = thinned(balls, path, FINE_SAMPLE)
     where = np.flatnonzero(np.isin(path, sparse))
     positions, radii = balls.positions[sparse], balls.radii[sparse]
     away = np.sqrt(((positions[:, None] - positions[None]) ** 2).sum(axis=2))

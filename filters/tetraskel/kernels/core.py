@@ -13,6 +13,7 @@ from tetraskel.kernels.loops import CLASSES_AT_ONCE
 from tetraskel.kernels.medial_tree import MedialTree, crossed_along
 
 Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,9 @@ class Core:
     tree: MedialTree
 
 
-def loop_core(tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64], cut: Ints, tick: Tick = silent) -> Core:
+def loop_core(
+    tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64], cut: Bools, tick: Tick = silent
+) -> Core:
     """The shortest independent loops, joined to one another inside each component.
 
     Each 1-cell that is not in the tree closes a loop through the tree; which of the object's loops it goes round is
@@ -45,7 +48,9 @@ def loop_core(tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64]
     if len(closing) == 0:
         return Core(np.sort(tree.roots), np.empty((0, 2), np.int64), tree)
     ends = cells.facets[closing].astype(np.int64)
-    edges = np.unique(np.concatenate([np.sort(ends, axis=1), *(_chain(tree, end) for end in ends.ravel())]), axis=0)
+    edges = np.unique(
+        np.concatenate([np.sort(ends, axis=1), *(_chain(tree, end) for end in ends.ravel().tolist())]), axis=0
+    )
     looped = np.unique(tree.component[ends[:, 0]])
     pruned = _without_stubs(edges)
     for component in looped:
@@ -54,7 +59,7 @@ def loop_core(tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64]
     return Core(nodes, pruned, tree)
 
 
-def _closing_edges(tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64], cut: Ints, tick: Tick) -> Ints:
+def _closing_edges(tree: MedialTree, cells: DualComplex, crossings: NDArray[np.int64], cut: Bools, tick: Tick) -> Ints:
     if crossings.shape[1] == 0:
         return np.empty(0, np.int64)
     along = crossed_along(tree, crossings, tick)

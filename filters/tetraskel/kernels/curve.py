@@ -17,6 +17,9 @@ from tetraskel.kernels.chains import merge_close_junctions, trace_chains
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.collapse import Collapse, collapse_to_graph
 from tetraskel.kernels.core import Core, loop_core
+from tetraskel.kernels.curve_arrays import assemble
+from tetraskel.kernels.curve_lines import Lines, smooth_lines
+from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import interior
@@ -25,9 +28,6 @@ from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import passage_widths
-from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.curve_arrays import assemble
-from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 

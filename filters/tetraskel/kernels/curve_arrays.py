@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.curve_skeleton import END, JUNCTION, REGULAR, Skeleton, line_edges
 from tetraskel.kernels.curve_lines import Lines
+from tetraskel.kernels.curve_skeleton import END, JUNCTION, REGULAR, Skeleton, line_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chains import Chains
-from tetraskel.kernels.inside_check import facets_between, stays_inside
-from tetraskel.kernels.inner_mesh import InnerMesh
-from tetraskel.kernels.medial_nodes import MedialNodes, walk_to
 from tetraskel.kernels.curve_skeleton import line_edges
+from tetraskel.kernels.inner_mesh import InnerMesh
+from tetraskel.kernels.inside_check import facets_between, stays_inside
+from tetraskel.kernels.medial_nodes import MedialNodes, walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -68,7 +68,8 @@ def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh) -> Lines:
 
 def _sampled(chains: Chains, nodes: MedialNodes) -> Lines:
     number = {vertex: i for i, vertex in enumerate(chains.vertices)}
-    places, owners, rows = [nodes.positions[chains.vertices]], [np.array(chains.vertices, dtype=np.int64)], []
+    places, rows = [nodes.positions[chains.vertices]], []
+    owners: list[Ints] = [np.array(chains.vertices, dtype=np.int64)]
     n_points = len(number)
     for path in chains.paths:
         inner_places, inner_nodes = _averages(nodes.positions[path], nodes.radii[path], path)

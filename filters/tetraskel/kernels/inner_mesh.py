@@ -72,8 +72,8 @@ def inner_mesh(mesh: Triangulation, inside: Bools) -> InnerMesh:
     order = _order_of(simplices)
     place = np.full(len(mesh) + 1, -1, np.int32)  # the last for "no neighbour"
     place[cells[order]] = np.arange(len(cells), dtype=np.int32)
-    simplices, neighbors = _turned(simplices[order], place[mesh.neighbors[cells[order]]])
-    return InnerMesh(mesh.coordinates[ids], simplices.astype(np.int32), neighbors, ids, mesh)
+    turned, neighbors = _turned(simplices[order], place[mesh.neighbors[cells[order]]])
+    return InnerMesh(mesh.coordinates[ids], turned.astype(np.int32), neighbors, ids, mesh)
 
 
 def _order_of(simplices: Ints) -> Ints:

@@ -62,11 +62,13 @@ def run_loop(
 
 @cache
 def _compiled(loop: Callable[..., None]) -> Callable[..., None]:
-    import numba
+    import numba  # type: ignore[import-not-found,unused-ignore]
 
     return numba.njit(cache=True, nogil=True)(loop)
 
 
 def _one_kind(values: Any) -> Any:
     """Whole numbers as 64-bit integers: one compiled version serves all."""
-    return values.astype(np.int64, copy=False) if isinstance(values, np.ndarray) and values.dtype.kind == "i" else values
+    return (
+        values.astype(np.int64, copy=False) if isinstance(values, np.ndarray) and values.dtype.kind == "i" else values
+    )

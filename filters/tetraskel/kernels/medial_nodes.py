@@ -302,7 +302,15 @@ def _homes(
     """(m,) simplex that contains each circumcentre, -1 outside."""
     homes = np.arange(len(simplices))
     if simplices.shape[1] == 4:
-        inputs = (coordinates.ravel(), simplices.ravel(), neighbors.ravel(), centres.ravel(), ON_FACET, EMPTY, LONGEST_WALK)
+        inputs = (
+            coordinates.ravel(),
+            simplices.ravel(),
+            neighbors.ravel(),
+            centres.ravel(),
+            ON_FACET,
+            EMPTY,
+            LONGEST_WALK,
+        )
         run_loop(_walk_loop, inputs, (homes,), tick, 2e-6 * len(homes))
         return homes
     away = np.flatnonzero(seen_through >= 0)

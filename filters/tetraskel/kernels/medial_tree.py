@@ -52,9 +52,7 @@ class MedialTree:
     cost: Floats
 
 
-def medial_tree(
-    cells: DualComplex, positions: Floats, strength: Floats, cut: Bools, tick: Tick = silent
-) -> MedialTree:
+def medial_tree(cells: DualComplex, positions: Floats, strength: Floats, cut: Bools, tick: Tick = silent) -> MedialTree:
     """Cheapest paths in the dual graph.
 
     Parameters
