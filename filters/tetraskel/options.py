@@ -173,3 +173,32 @@ class InteriorCellsOptions(InteriorOptions):
         "Add what the gate tree knows of each cell: GateWidth, RoomRadius and GateParent.",
         when=("method", "gates"),
     )
+
+
+ROOTS = ("paper", "widest", "point")
+
+
+@dataclass(frozen=True)
+class CurveOptions(Options):
+    """Parameters of the curve skeleton."""
+
+    detail: float = option(
+        0.5,
+        "How much is drawn, from the main lines (0) through what a person would draw (0.5) to every bump (1). Loops "
+        "are drawn at every detail.",
+        bounds=(0.0, 1.0),
+    )
+    loop_spacings: float = option(
+        1.45,
+        "How wide the narrowest passage of a loop must be for the loop to count. Narrower ones are gaps between "
+        "samples and are cut.",
+        unit="local distance between points",
+        bounds=(0.0, 100.0),
+    )
+    root: str = option(
+        "paper",
+        "Where each piece is rooted: at the node nearest to the hull facet with the smallest first coordinate (paper), "
+        "at the widest node (widest), or at the node nearest to the root point (point).",
+        choices=ROOTS,
+    )
+    root_point: tuple[float, ...] = option((0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input")

@@ -1,0 +1,80 @@
+"""Judge the curve skeleton on the meshes of a folder: python benchmarks/curve_table.py FOLDER [PICTURES].
+
+Prints one Markdown row per mesh (OBJ), sampling and detail. The method sees points only; the mesh scores it. With a
+second folder, one small picture per mesh is left there.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tetraskel.kernels.curve import curve_model, draw_curve
+from tetraskel.kernels.curve_skeleton import Skeleton
+from tetraskel.kernels.measures import measure
+from tetraskel.kernels.surface_rays import surface_of, surface_samples
+from tetraskel.kernels.triangulate import triangulate
+
+SAMPLINGS = (0, 20_000, 100_000)  # 0: the vertices of the mesh
+DETAILS = (0.5, 1.0)
+COLUMNS = ("components", "loops", "ends", "junctions", "inside", "centredness")
+
+
+def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    vertices, triangles = [], []
+    for line in path.read_text().splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            vertices.append([float(x) for x in rest[:3]])
+        elif word == "f":
+            corners = [int(corner.split("/")[0]) - 1 for corner in rest]
+            triangles += [[corners[0], b, c] for b, c in zip(corners[1:-1], corners[2:], strict=True)]
+    return np.array(vertices), np.array(triangles)
+
+
+def main(folder: str, pictures: str | None = None) -> None:
+    print("| shape | points | detail |", " | ".join(COLUMNS), "| reconstruction, % | largest, % | short | refused |")
+    print("|---" * (len(COLUMNS) + 7) + "|")
+    for path in sorted(Path(folder).glob("*.obj")):
+        vertices, triangles = read_obj(path)
+        for n in SAMPLINGS:
+            model = curve_model(triangulate(surface_samples(surface_of(vertices, triangles), n) if n else vertices))
+            for detail in DETAILS:
+                skeleton = draw_curve(model, detail=detail)
+                print(row(path.stem, n or len(vertices), detail, skeleton, (vertices, triangles)), flush=True)
+                if pictures and n == SAMPLINGS[-1] and detail == DETAILS[0]:
+                    picture(skeleton, vertices, triangles, Path(pictures) / f"curve-{path.stem}.png")
+
+
+def row(name: str, n: int, detail: float, skeleton: Skeleton, surface: tuple[np.ndarray, np.ndarray]) -> str:
+    numbers = measure(skeleton, surface)
+    cells = [f"{numbers[column]:.4g}" for column in COLUMNS]
+    cells += [f"{numbers['reconstruction_mean']:.2f}", f"{numbers['reconstruction_max']:.2f}"]
+    cells += [f"{numbers['short_branches']:.3f}", str(skeleton.loops_refused)]
+    return " | ".join(["", name, str(n), f"{detail:g}", *cells, ""]).strip(" ")
+
+
+def picture(skeleton: Skeleton, vertices: np.ndarray, triangles: np.ndarray, path: Path) -> None:
+    import pyvista
+
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    solid = pyvista.PolyData(vertices, np.c_[np.full(len(triangles), 3), triangles].ravel())
+    bones = pyvista.PolyData(skeleton.points)
+    bones.lines = np.c_[np.full(len(skeleton.edges), 2), skeleton.edges].ravel()
+    bones["radius"] = skeleton.radius
+    plotter = pyvista.Plotter(off_screen=True, window_size=(840, 420), shape=(1, 2), border=False)
+    for column, direction in enumerate([(0, 0, 1), (1, 0.25, 0.35)]):
+        plotter.subplot(0, column)
+        plotter.add_mesh(solid, color="lightgray", opacity=0.25, smooth_shading=True)
+        plotter.add_mesh(bones.tube(radius=0.005 * diagonal), scalars="radius", show_scalar_bar=False)
+        plotter.view_vector(direction, viewup=(0, 1, 0))
+        plotter.camera.zoom(1.3)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    plotter.screenshot(path)
+    plotter.close()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

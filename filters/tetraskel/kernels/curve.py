@@ -1,0 +1,324 @@
+"""Points to curve skeleton: the stages in order, and what is kept so that another detail is drawn at once."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+from tetraskel.errors import InputError, InsideWarning, TetraskelError
+from tetraskel.kernels.attachment import anchor_points, points_of_anchors
+from tetraskel.kernels.branches import Branches, grow_branches
+from tetraskel.kernels.burning import burn_times
+from tetraskel.kernels.chains import merge_close_junctions, trace_chains
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.collapse import Collapse, collapse_to_graph
+from tetraskel.kernels.core import Core, loop_core
+from tetraskel.kernels.curve_arrays import assemble
+from tetraskel.kernels.curve_lines import Lines, smooth_lines
+from tetraskel.kernels.curve_skeleton import Skeleton
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex
+from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
+from tetraskel.kernels.interior import interior
+from tetraskel.kernels.loops import Loops, find_loops
+from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
+from tetraskel.kernels.medial_tree import medial_tree
+from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.passage_widths import passage_widths
+from tetraskel.kernels.triangulate import triangulate
+from tetraskel.options import CurveOptions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
+
+NEAREST = 6  # points whose mean distance is the local spacing
+FACING_POWER = 2  # how much paths prefer places midway between two sides of the object
+# detail -> least significance drawn; logarithms are interpolated in between
+DETAILS = (0.0, 0.5, 1.0)
+SIGNIFICANCES = (0.2, 0.072, 0.02)
+
+
+@dataclass(frozen=True)
+class CurveModel:
+    """All that does not depend on the detail.
+
+    Attributes
+    ----------
+    inner : InnerMesh
+    nodes : MedialNodes
+    core : Core
+        With the medial tree.
+    branches : Branches
+    loops : Loops
+    cavities : int
+    anchors : (n,) int
+        For each point of the mesh the node of the finest skeleton on the way from its widest simplex to the root.
+    """
+
+    inner: InnerMesh
+    nodes: MedialNodes
+    core: Core
+    branches: Branches
+    loops: Loops
+    cavities: int
+    anchors: Ints
+
+
+def curve_skeleton(
+    points_or_mesh: ArrayLike | Triangulation,
+    *,
+    detail: float = CurveOptions.detail,
+    loop_spacings: float = CurveOptions.loop_spacings,
+    inside: ArrayLike | None = None,
+    root: str | ArrayLike = CurveOptions.root,
+    tick: Tick = silent,
+) -> Skeleton:
+    """The curve skeleton of a cloud of surface points, or of a mesh with an inside.
+
+    Parameters
+    ----------
+    points_or_mesh : (n, 2) or (n, 3) array, or Triangulation
+        Points are triangulated and the inside is found by gates; so it is for the result of `triangulate`. A
+        triangulation made by others (`triangulation_of`) is all inside.
+    detail : float
+        From 0, the main lines, to 1; see `CurveOptions`.
+    loop_spacings : float
+        See `CurveOptions`.
+    inside : (m,) array, optional
+        Simplices of the mesh that lie inside: those that are not 0.
+    root : {"paper", "widest"} or (d,) array
+        See `CurveOptions`; a place roots each piece at its node nearest to it.
+    tick : callable, optional
+        Told the share of work done; may raise `Aborted`.
+
+    Returns
+    -------
+    Skeleton
+        One connected piece per piece of the inside. No points give an empty skeleton.
+
+    Raises
+    ------
+    InputError
+        For options out of bounds, points that are not finite, too few or on one line, or when nothing is inside.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    >>> circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    >>> ring = curve_skeleton(np.concatenate([circle, 0.6 * circle]))
+    >>> ring.components, ring.loops, ring.n_branches
+    (1, 1, 1)
+    """
+    check_curve_options(detail, loop_spacings, root)
+    if isinstance(points_or_mesh, Triangulation):
+        mesh, share = points_or_mesh, 0.0
+    else:
+        share = 0.5
+        mesh = triangulate(points_or_mesh, tick=lambda done: tick(share * done))
+    model = curve_model(
+        mesh, inside=inside, loop_spacings=loop_spacings, tick=lambda done: tick(share + (0.97 - share) * done)
+    )
+    skeleton = draw_curve(model, detail=detail, root=root)
+    tick(1.0)
+    return skeleton
+
+
+def check_curve_options(detail: float, loop_spacings: float, root: str | ArrayLike) -> None:
+    """Raise `InputError` for a value that `CurveOptions` does not allow."""
+    CurveOptions(detail=detail, loop_spacings=loop_spacings, root=root if isinstance(root, str) else "point")
+
+
+def curve_model(
+    mesh: Triangulation,
+    *,
+    inside: ArrayLike | None = None,
+    loop_spacings: float = CurveOptions.loop_spacings,
+    tick: Tick = silent,
+) -> CurveModel:
+    """Everything up to the choice of the detail; see `curve_skeleton`.
+
+    Raises
+    ------
+    InputError
+        When nothing is inside.
+    """
+    labels = _inside(mesh, inside, _part(tick, 0.0, 0.25))
+    inner = inner_mesh(mesh, labels)
+    if len(inner.simplices) == 0 and len(mesh.points):
+        raise InputError(
+            f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
+            "an open surface, or be too sparse; label the inside yourself, or take the whole mesh as inside."
+        )
+    nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, _part(tick, 0.25, 0.45))
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), _part(tick, 0.45, 0.55))
+    widths = _facet_widths(inner)
+    collapse = collapse_to_graph(cells, widths, _part(tick, 0.55, 0.65))
+    check_homotopy(cells, collapse)
+    loops = find_loops(
+        cells,
+        collapse,
+        widths,
+        lambda facets: _spacing(inner, cells, facets),
+        loop_spacings=loop_spacings,
+        tick=_part(tick, 0.65, 0.7),
+    )
+    burn = burn_times(cells, nodes.positions, nodes.radii, _part(tick, 0.7, 0.8))
+    burn = np.where(nodes.is_medial, burn, nodes.radii)
+    strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
+    tree = medial_tree(cells, nodes.positions, strength, loops.cut, _part(tick, 0.8, 0.9))
+    core = loop_core(tree, cells, loops.crossings, loops.cut, _part(tick, 0.9, 0.92))
+    branches = grow_branches(core, nodes.positions, nodes.radii, burn, _part(tick, 0.92, 1.0))
+    anchors = anchor_points(inner, nodes, core, branches, tick)
+    return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
+
+
+def _part(tick: Tick, start: float, stop: float) -> Tick:
+    return lambda share: tick(start + (stop - start) * share)
+
+
+def _inside(mesh: Triangulation, inside: ArrayLike | None, tick: Tick) -> Bools:
+    if inside is not None:
+        return interior(mesh, method="array", labels=inside)
+    if mesh.engine == "given" or len(mesh) == 0:
+        return np.ones(len(mesh), bool)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
+        return interior(mesh, tick=tick)
+
+
+def _facet_widths(inner: InnerMesh) -> Floats:
+    """Passage width of each 1-cell of the dual complex, in its order."""
+    cells, opposite = np.nonzero(inner.neighbors > np.arange(len(inner.simplices))[:, None])
+    return passage_widths(inner.coordinates, inner.simplices)[cells, opposite]
+
+
+def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:
+    """Mean distance from the points of each facet's first simplex to their six nearest."""
+    if len(facets) == 0:
+        return np.empty(0)
+    corners = inner.simplices[cells.facets[facets, 0]]
+    cloud = cKDTree(inner.mesh.coordinates, compact_nodes=False, balanced_tree=False)
+    away, _ = cloud.query(inner.coordinates[corners.ravel()], min(NEAREST + 1, cloud.n))
+    return away[:, 1:].mean(axis=1).reshape(corners.shape).mean(axis=1)
+
+
+def check_homotopy(cells: DualComplex, collapse: Collapse) -> None:
+    """Raise `TetraskelError` unless the graph has the Euler characteristic of the complex it was collapsed from."""
+    of_graph = cells.n_nodes - int(collapse.kept.sum())
+    expected = cells.euler_characteristic - collapse.n_punctures
+    if of_graph != expected:
+        raise TetraskelError(
+            f"the graph has Euler characteristic {of_graph}, the interior {expected}: the collapse went wrong; "
+            "please report this with the input."
+        )
+
+
+def least_significance(detail: float) -> float:
+    """Significance below which nothing is drawn at this detail."""
+    return float(np.exp(np.interp(detail, DETAILS, np.log(SIGNIFICANCES))))
+
+
+def draw_curve(
+    model: CurveModel, *, detail: float = CurveOptions.detail, root: str | ArrayLike = CurveOptions.root
+) -> Skeleton:
+    """The skeleton at one detail, from a model: quick, for a slider.
+
+    Raises
+    ------
+    InputError
+        For options out of bounds.
+    """
+    check_curve_options(detail, 0.0, root)
+    tree, nodes = model.core.tree, model.nodes
+    drawn = model.branches.edges[: model.branches.count(least_significance(detail))]
+    edges = np.concatenate([model.core.edges, *drawn])
+    graph_nodes = np.unique(np.concatenate([model.core.nodes, edges.ravel()]))
+    chains = merge_close_junctions(trace_chains(graph_nodes, edges), nodes.positions, nodes.radii)
+    lines = smooth_lines(chains, nodes, model.inner)
+    component = tree.component[lines.nodes]
+    skeleton, number = assemble(lines, component, _root_points(model, lines, component, root), _radii(model, lines))
+    skeleton = replace(
+        skeleton,
+        points=lifted(skeleton.points, model.inner.mesh),
+        point_nodes=_point_nodes(model, lines, number),
+        components=len(tree.roots),
+        loops=len(model.loops.closing),
+        loops_refused=len(model.loops.refused),
+        cavities=model.cavities,
+    )
+    check_loops(skeleton)
+    return skeleton
+
+
+def _point_nodes(model: CurveModel, lines: Lines, number: Ints) -> Ints:
+    """Skeleton point of every input point."""
+    found = points_of_anchors(model.anchors, model.core.tree, model.nodes.positions, lines)
+    mesh = model.inner.mesh
+    ids = mesh.point_map if len(mesh.point_map) else np.arange(len(mesh.points))
+    return number[found][ids] if len(number) else np.full(len(ids), -1)
+
+
+def check_loops(skeleton: Skeleton) -> None:
+    """Raise `TetraskelError` unless the drawn graph has as many loops and pieces as were found."""
+    drawn = len(skeleton.edges) - len(skeleton.points) + skeleton.components
+    if drawn != skeleton.loops:
+        raise TetraskelError(f"drew {drawn} loops of {skeleton.loops}; please report this with the input.")
+
+
+def _radii(model: CurveModel, lines: Lines) -> Floats:
+    """Distance to the nearest point of the object."""
+    if len(lines.positions) == 0:
+        return np.empty(0)
+    return np.asarray(model.inner.cloud.query(lines.positions)[0])
+
+
+def _root_points(model: CurveModel, lines: Lines, component: Ints, root: str | ArrayLike) -> Ints:
+    """Point of the lines at which each component is rooted."""
+    n = len(model.core.tree.roots)
+    if isinstance(root, str) and root == "widest":
+        value = -model.nodes.radii[lines.nodes]
+    else:
+        places = _first_facets(model) if isinstance(root, str) else np.tile(_flattened(root, model.inner.mesh), (n, 1))
+        value = ((lines.positions - places[component]) ** 2).sum(axis=1)
+    order = np.lexsort([np.arange(len(value)), value, component])
+    return order[np.flatnonzero(np.diff(component[order], prepend=-1))]
+
+
+def _first_facets(model: CurveModel) -> Floats:
+    """(c, d) barycentre of the boundary facet of each component that comes first by its coordinates."""
+    inner, component = model.inner, model.core.tree.component
+    cells, opposite = np.nonzero(inner.neighbors < 0)
+    total = inner.coordinates[inner.simplices[cells]].sum(axis=1) - inner.coordinates[inner.simplices[cells, opposite]]
+    order = np.lexsort([*total.T[::-1], component[cells]])
+    first = order[np.flatnonzero(np.diff(component[cells][order], prepend=-1))]
+    return total[first] / inner.coordinates.shape[1]
+
+
+def _flattened(place: ArrayLike, mesh: Triangulation) -> Floats:
+    """A place in the coordinates of the mesh."""
+    given = np.asarray(place, dtype=float)
+    if given.shape not in {(mesh.points.shape[1],), (3,)}:
+        raise InputError(f"expected a root as {mesh.points.shape[1]} coordinates, got shape {given.shape}.")
+    given = given[: mesh.points.shape[1]]
+    if mesh.dim == mesh.points.shape[1]:
+        return given
+    frame = _plane_directions(mesh)
+    return mesh.coordinates[0] + (given - mesh.points[0]) @ frame.T
+
+
+def lifted(positions: Floats, mesh: Triangulation) -> Floats:
+    """Positions in the mesh's coordinates, in the space of its points."""
+    if mesh.dim == mesh.points.shape[1]:
+        return positions
+    return mesh.points[0] + (positions - mesh.coordinates[0]) @ _plane_directions(mesh)
+
+
+def _plane_directions(mesh: Triangulation) -> Floats:
+    """(2, 3) directions in space of the two coordinates of a planar mesh."""
+    away = mesh.coordinates - mesh.coordinates[0]
+    return np.linalg.lstsq(away, mesh.points - mesh.points[0], rcond=None)[0]

@@ -1,0 +1,74 @@
+"""Loops that no array operation replaces: compiled by numba where it is installed, plain Python where it is not.
+
+A loop is written once, in the subset of Python that both run: it indexes flat sequences of numbers, uses `heapq`,
+and writes its results into sequences it is given. Compiled it sees arrays, else lists, and the numbers are the
+same to the last bit.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.kernels.background import wait_for
+from tetraskel.kernels.chunks import Tick
+
+SWITCH = "TETRASKEL_NUMBA"  # set to 0 to keep numba out, for comparisons
+
+
+def numba_is_used() -> bool:
+    """Whether loops run compiled."""
+    return os.environ.get(SWITCH, "1") != "0" and importlib.util.find_spec("numba") is not None
+
+
+def run_loop(
+    loop: Callable[..., None],
+    inputs: Sequence[Any],
+    outputs: Sequence[NDArray],
+    tick: Tick,
+    expected_seconds: float = 1.0,
+) -> None:
+    """Call `loop(*inputs, *outputs)`, which writes into `outputs` only.
+
+    Parameters
+    ----------
+    loop : function
+        Takes flat arrays (lists, without numba) and plain numbers.
+    inputs : sequence of (k,) arrays or numbers
+        Not written to.
+    outputs : sequence of (k,) arrays
+        Given with their initial values; hold the results afterwards.
+    tick : callable
+        Called every tenth of a second; may raise `Aborted`.
+    expected_seconds : float
+        For the progress told to `tick` only.
+    """
+    if numba_is_used():
+        arrays = [_one_kind(values) for values in inputs]
+        wait_for(lambda: _compiled(loop)(*arrays, *outputs), tick, expected_seconds)
+        return
+    lists = [values.tolist() for values in outputs]
+    plain = [values.tolist() if isinstance(values, np.ndarray) else values for values in inputs]
+    wait_for(lambda: loop(*plain, *lists), tick, 50 * expected_seconds)
+    for values, result in zip(outputs, lists, strict=True):
+        values[:] = result
+
+
+@cache
+def _compiled(loop: Callable[..., None]) -> Callable[..., None]:
+    import numba  # type: ignore[import-not-found,unused-ignore]
+
+    return numba.njit(cache=True, nogil=True)(loop)
+
+
+def _one_kind(values: Any) -> Any:
+    """Whole numbers as 64-bit integers: one compiled version serves all."""
+    return (
+        values.astype(np.int64, copy=False) if isinstance(values, np.ndarray) and values.dtype.kind == "i" else values
+    )
