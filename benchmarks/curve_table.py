@@ -6,6 +6,7 @@ second folder, one small picture per mesh is left there.
 
 from __future__ import annotations
 
+import itertools
 import sys
 from pathlib import Path
 
@@ -30,7 +31,7 @@ def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
             vertices.append([float(x) for x in rest[:3]])
         elif word == "f":
             corners = [int(corner.split("/")[0]) - 1 for corner in rest]
-            triangles += [[corners[0], b, c] for b, c in zip(corners[1:-1], corners[2:], strict=True)]
+            triangles += [[corners[0], b, c] for b, c in itertools.pairwise(corners)]
     return np.array(vertices), np.array(triangles)
 
 

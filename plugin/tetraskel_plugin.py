@@ -33,6 +33,13 @@ paraview_plugin_name = "tetraskel"
 paraview_plugin_version = tetraskel.__version__
 
 
+@smproxy.filter(name="CurveSkeleton", label=label("CurveSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.CurveSkeleton))
+class CurveSkeleton(vtkfilters.CurveSkeleton):
+    """Points, or a mesh with its inside, to the curve skeleton."""
+
+
 @smproxy.filter(name="DelaunayMesh", label=label("DelaunayMesh"), support_reload=False)
 @smhint.xml(MENU)
 @smproperty.xml(panel_xml(vtkfilters.DelaunayMesh))

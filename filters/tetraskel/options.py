@@ -201,4 +201,6 @@ class CurveOptions(Options):
         "at the widest node (widest), or at the node nearest to the root point (point).",
         choices=ROOTS,
     )
-    root_point: tuple[float, ...] = option((0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input")
+    root_point: tuple[float, ...] = option(
+        (0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input", when=("root", "point")
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
@@ -23,7 +23,7 @@ from tetraskel.vtkfilters.convert import holds_simplices
 def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
     parser.add_argument("input", metavar="IN", help="points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy")
-    parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk, or .csv with one row per node")
+    parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
     parser.add_argument(
         "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
@@ -57,18 +57,33 @@ def interior_cells(chosen: argparse.Namespace) -> list[SkeletonFilter]:
 
 
 def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> None:
-    """Read, run, write, draw; the first filter is left out when the input is a volume mesh already."""
-    png = getattr(chosen, "png", None)
-    write = writer_for(chosen.output, chosen.input)
-    if png:
-        check_output(png, (".png",))
+    """Read, run, write, draw; the first filter is left out when the input is a mesh already."""
+    write = prepared(chosen)
     source = read(chosen.input)
     steps = filters[1:] if holds_simplices(source) and not chosen.points_only else filters
-    result = run_filters(source, steps)
+    finish(chosen, source, run_filters(source, steps), write, from_cells=steps[0] is not filters[0])
+
+
+def prepared(chosen: argparse.Namespace) -> Callable[[vtkPolyData], None]:
+    """What writes the result, after all that can be wrong with the outputs has been looked at."""
+    if getattr(chosen, "png", None):
+        check_output(chosen.png, (".png",))
+    return writer_for(chosen.output, chosen.input)
+
+
+def finish(
+    chosen: argparse.Namespace,
+    source: vtkPointSet,
+    result: vtkPolyData,
+    write: Callable[[vtkPolyData], None],
+    *,
+    from_cells: bool,
+) -> None:
+    """Write, draw, and say what was done."""
     write(result)
-    if png:
-        draw(source, result, png)
-    print(summary(chosen, source, result, from_cells=steps[0] is not filters[0]))
+    if getattr(chosen, "png", None):
+        draw(source, result, chosen.png)
+    print(summary(chosen, source, result, from_cells=from_cells))
 
 
 def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPolyData:
@@ -91,8 +106,10 @@ def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData
     """One line about what came in and went out."""
     merged = result.GetFieldData().GetArray("DuplicatesMerged")
     doubles = f" ({merged.GetValue(0):,} merged)" if merged is not None and merged.GetValue(0) else ""
+    found = [result.GetFieldData().GetArray(name) for name in ("Components", "Loops")]
+    loops = ", {} pieces, {} loops".format(*(int(array.GetValue(0)) for array in found)) if all(found) else ""
     cells = f", its own {source.GetNumberOfCells():,} cells" if from_cells else ""
     return (
         f"{chosen.input}: {source.GetNumberOfPoints():,} points{doubles}{cells} -> "
-        f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines"
+        f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines{loops}"
     )

@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
+from tetraskel.cli.graph_formats import write_csv, write_graphml, write_ply, write_swc
 from tetraskel.cli.tables import read_table
 from tetraskel.errors import InputError
-from tetraskel.vtkfilters.convert import add_arrays, points_of, to_points
+from tetraskel.vtkfilters.convert import add_arrays, to_points
 
 TABLES = (".csv", ".xyz", ".txt", ".npy")
 DATA_SETS = (".vtp", ".vtu", ".vtk", ".vti", ".ply", ".obj", ".stl")
@@ -99,10 +99,7 @@ def writer_for(path: str, source: str) -> Callable[[vtkPolyData], None]:
     if file.exists() and Path(source).exists() and file.samefile(source):
         raise InputError(f"expected an output beside the input, got {path!r} for both.")
 
-    def write(data: vtkPolyData) -> None:
-        replace_file(file, lambda part: WRITERS[file.suffix.lower()](data, part))
-
-    return write
+    return replace_to(path, WRITERS[file.suffix.lower()])
 
 
 def check_output(path: str, suffixes: tuple[str, ...]) -> None:
@@ -136,6 +133,11 @@ def replace_file(file: Path, write: Callable[[Path], None]) -> None:
             part.unlink(missing_ok=True)
 
 
+def replace_to(path: str, write: Callable[[vtkPolyData, Path], None]) -> Callable[[vtkPolyData], None]:
+    """What writes data to `path` in one move."""
+    return lambda data: replace_file(Path(path), lambda part: write(data, part))
+
+
 def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
@@ -149,23 +151,11 @@ def _write_vtk(writer, data: vtkPolyData, path: Path) -> None:
         raise InputError(f"{str(path)!r} could not be written; is there room on the disk?")
 
 
-def _write_csv(data: vtkPolyData, path: Path) -> None:
-    """One row per node: coordinates, then every point array; those with more components as name_0, name_1, ..."""
-    import pyvista
-
-    columns: dict[str, np.ndarray] = {}
-    for name, values in pyvista.wrap(data).point_data.items():
-        wide = {f"{name}_{k}": column for k, column in enumerate(values.T)} if values.ndim == 2 else {name: values}
-        columns.update(wide)
-    points = points_of(data)
-    with path.open("w", encoding="utf-8") as stream:
-        stream.write(",".join(["x", "y", "z", *columns]) + "\n")
-        for row in zip(*points.T.tolist(), *(column.tolist() for column in columns.values()), strict=True):
-            stream.write(",".join(map(repr, row)) + "\n")
-
-
 WRITERS = {
     ".vtp": lambda data, path: _write_vtk(vtkXMLPolyDataWriter(), data, path),
     ".vtk": lambda data, path: _write_vtk(vtkPolyDataWriter(), data, path),
-    ".csv": _write_csv,
+    ".csv": write_csv,
+    ".swc": write_swc,
+    ".graphml": write_graphml,
+    ".ply": write_ply,
 }

@@ -6,9 +6,11 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from tetraskel.errors import InputError
+from tetraskel.kernels.branch_table import COLUMNS, branch_table
 from tetraskel.vtkfilters.convert import array_of, points_of, segments_of
 
 RADII = ("MaximumInscribedSphereRadius", "Radius")  # of a curve skeleton, of a tree's nodes
@@ -83,6 +85,15 @@ def write_edges_csv(data: vtkPolyData, path: Path) -> None:
     """One row per edge: the rows of its points in the table of the points, from 0."""
     start, end = segments_of(data.GetLines(), closed=False).T
     _write_rows(path, {"start": start, "end": end})
+
+
+def write_branch_table(data: vtkPolyData, path: Path) -> None:
+    """One row per branch, with the columns of `tetraskel.kernels.branch_table`."""
+    lines = data.GetLines()
+    offsets, ids = (vtk_to_numpy(array) for array in (lines.GetOffsetsArray(), lines.GetConnectivityArray()))
+    rows = branch_table(points_of(data), _radius(data), offsets, ids)
+    text = [",".join(map(str, row)) for row in [COLUMNS, *rows]]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
 def _write_rows(path: Path, columns: dict[str, np.ndarray]) -> None:

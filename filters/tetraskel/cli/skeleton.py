@@ -1,7 +1,8 @@
-"""Points or a mesh to the skeleton of their tree.
+"""Points or a mesh to a skeleton: the curve skeleton of the object, or the skeleton of the paper's tree.
 
-The paper's chain: triangulate, walk the simplices as a tree, remove flat simplices, leave out the leaves, and write a
-polyline per branch.
+The curve skeleton (--method curve) finds the object's inside from the points alone and draws lines along its middle,
+with radii and with the object's own loops. The tree (--method tree) is the paper's chain: triangulate, walk the
+simplices, remove flat ones, leave out the leaves.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_options, values
-from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
+from tetraskel.errors import InputError
+from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,12 +19,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from tetraskel.cli.chain import add_files, add_inside
 
     add_files(parser)
+    parser.add_argument("--method", choices=("curve", "tree"), default="curve", help="which skeleton")
+    parser.add_argument("--edges", metavar="FILE", help="also write the edges as .csv, by rows of the table of nodes")
+    parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
+    parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
     add_inside(parser)
-    add_options(parser, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
+    parser.set_defaults(inside=None)
+    add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
 
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
+    if chosen.inside is None:
+        chosen.inside = "gates" if chosen.method == "curve" else "all"
+    extras = _extra_writers(chosen)
+    if chosen.method == "tree":
+        _tree(chosen, extras)
+    else:
+        _curve(chosen, extras)
+
+
+def _extra_writers(chosen: argparse.Namespace) -> dict:
+    """Writers of the files asked for beside the skeleton, checked before any work."""
+    from tetraskel.cli.files import WRITERS, check_output, replace_to
+    from tetraskel.cli.graph_formats import write_branch_table, write_edges_csv
+
+    if chosen.points and chosen.method == "tree":
+        raise InputError("expected --points with --method curve only; a tree's nodes are no parts of a surface.")
+    wanted = {
+        "edges": (chosen.edges, ".csv", write_edges_csv),
+        "table": (chosen.table, ".csv", write_branch_table),
+        "points": (chosen.points, ".vtp", WRITERS[".vtp"]),
+    }
+    for path, suffix, _ in wanted.values():
+        if path:
+            check_output(path, (suffix,))
+    return {name: replace_to(path, write) for name, (path, _, write) in wanted.items() if path}
+
+
+def _tree(chosen: argparse.Namespace, extras: dict) -> None:
     from tetraskel.cli.chain import interior_cells, run_chain
     from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
 
@@ -31,3 +66,19 @@ def run(chosen: argparse.Namespace) -> None:
     flat = FlatTetraRemoval(**values(chosen, FlatOptions))
     drawn = SkeletonOutput(**values(chosen, SkeletonOptions))
     run_chain(chosen, [mesh, *interior_cells(chosen), tree, flat, drawn])
+    for write in extras.values():
+        write(drawn.GetOutputDataObject(0))
+
+
+def _curve(chosen: argparse.Namespace, extras: dict) -> None:
+    from tetraskel.cli.chain import interior_cells, run_chain
+    from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh
+
+    mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
+    curve = CurveSkeleton(**values(chosen, CurveOptions))
+    inside = interior_cells(chosen)
+    for step in inside:
+        step.extract = False
+    run_chain(chosen, [mesh, *inside, curve])
+    for name, write in extras.items():
+        write(curve.GetOutputDataObject(1 if name == "points" else 0))

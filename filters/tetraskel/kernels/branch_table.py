@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,12 +17,12 @@ def branch_table(points: Floats, radius: Floats, offsets: Ints, connectivity: In
     """Rows of `COLUMNS` for polylines over `points` (p, 3).
 
     Radius is the mean over the length, Tortuosity length over distance between the ends, less 1 (infinite for a closed
-    branch). Curvature and Torsion are means over the length: the sum of the angles between successive edges, and between
-    successive osculating planes, divided by the length (the discrete curve theory of Sauer 1970). Lengths in the unit of
-    the points, positions as "x y z".
+    branch). Curvature and Torsion are means over the length: the sum of the angles between successive edges, and
+    between successive osculating planes, divided by the length (discrete curve theory, Sauer 1970). Lengths in the
+    unit of the points, positions as "x y z".
     """
     rows = []
-    for number, (start, stop) in enumerate(zip(offsets[:-1], offsets[1:], strict=True)):
+    for number, (start, stop) in enumerate(itertools.pairwise(offsets)):
         ids = connectivity[start:stop]
         path = points[ids]
         edges = np.diff(path, axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +75,7 @@ def _paths_from(start: int, around: dict[int, list[int]], walked: set[tuple[int,
         while len(around[path[-1]]) == 2 and path[-1] != start:
             a, b = around[path[-1]]
             path.append(b if a == path[-2] else a)
-        walked.update(zip(path[:-1], path[1:], strict=True))
+        walked.update(itertools.pairwise(path))
         walked.update(zip(path[1:], path[:-1], strict=True))
         paths.append(np.array(path))
     return paths

@@ -11,8 +11,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-REGULAR, END, JUNCTION = 0, 1, 2
-NODE_TYPES = ("regular", "end", "junction")
+END, REGULAR, JUNCTION = 0, 1, 2
+NODE_TYPES = ("end", "regular", "junction")
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Skeleton:
     node_degree : (p,) int
         Number of edges.
     node_type : (p,) int
-        0 regular, 1 end, 2 junction (`NODE_TYPES`).
+        0 end, 1 regular, 2 junction (`NODE_TYPES`).
     strahler_order : (p,) int
         1 from an end on, one more where two of the highest order meet (Strahler 1957).
     blanking : (p,) int

@@ -20,6 +20,7 @@ from vtkmodules.vtkCommonDataModel import (
     vtkPolyData,
     vtkUnstructuredGrid,
 )
+from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 
 from tetraskel.errors import MeshError
 from tetraskel.kernels.adjacency import triangulation_of
@@ -161,6 +162,18 @@ def simplices_of(data: vtkPointSet) -> np.ndarray:
         f"expected a mesh of tetrahedra only, or of triangles only, got {_count_by_type(data)}; "
         "convert it first (Tetrahedralize) or triangulate its points (DelaunayMesh)."
     )
+
+
+def surface_of_data(data: vtkPointSet) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) and triangles (t, 3) of polygonal data; polygons are split, lines left out."""
+    if not isinstance(data, vtkPolyData):
+        raise MeshError(f"expected a surface as polygonal data, got {data.GetClassName()}; extract its surface first.")
+    triangles = vtkTriangleFilter()
+    triangles.PassLinesOff()
+    triangles.PassVertsOff()
+    triangles.SetInputData(data)
+    triangles.Update()
+    return points_of(triangles.GetOutput()), simplices_of(triangles.GetOutput())[:, :3]
 
 
 def segments_of(cells: vtkCellArray, *, closed: bool) -> np.ndarray:

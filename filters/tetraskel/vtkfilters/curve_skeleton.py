@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import MISSING, fields
+
 import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from tetraskel.errors import InputError
 from tetraskel.kernels.curve import CurveModel, curve_model, draw_curve
+from tetraskel.kernels.curve_skeleton import Skeleton, line_edges
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
@@ -78,6 +83,28 @@ def fill_skeleton(output: vtkPolyData, skeleton) -> None:
     output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
     facts = {"Components": skeleton.components, "Loops": skeleton.loops, "LoopsRefused": skeleton.loops_refused}
     add_facts(output, {**facts, "Cavities": skeleton.cavities})
+
+
+def skeleton_from(data: vtkPolyData) -> Skeleton:
+    """The skeleton in polygonal data with polylines and radii, as far as measures need it; other arrays are empty.
+
+    Raises
+    ------
+    InputError
+        When there are no lines or no radii.
+    """
+    radius = array_of(data.GetPointData(), "MaximumInscribedSphereRadius")
+    if radius is None or data.GetNumberOfLines() == 0:
+        raise InputError("expected lines with the point array MaximumInscribedSphereRadius, got none.")
+    lines, points = data.GetLines(), points_of(data)
+    offsets, ids = (vtk_to_numpy(array) for array in (lines.GetOffsetsArray(), lines.GetConnectivityArray()))
+    edges = line_edges(offsets, ids)
+    long = np.sqrt(((points[edges[:, 1]] - points[edges[:, 0]]) ** 2).sum(axis=1))
+    degree = np.bincount(edges.ravel(), minlength=len(points))
+    lengths = np.add.reduceat(long, offsets[:-1] - np.arange(len(offsets) - 1))
+    empty = {field.name: np.empty(0) for field in fields(Skeleton) if field.default is MISSING}
+    known = {"points": points, "radius": radius, "offsets": offsets, "connectivity": ids, "node_degree": degree}
+    return Skeleton(**{**empty, **known, "branch_length": lengths})
 
 
 def _point_arrays(skeleton):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 
 from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.gates import gate_arrays, gate_tree
@@ -22,7 +21,7 @@ from tetraskel.vtkfilters.convert import (
     mesh_of,
     points_of,
     segments_of,
-    simplices_of,
+    surface_of_data,
 )
 
 
@@ -75,12 +74,7 @@ class InteriorCells(SkeletonFilter):
     def _surface(self, boundary):
         if boundary is None:
             raise InputError("expected a closed surface at the second input, got nothing; connect one.")
-        triangles = vtkTriangleFilter()
-        triangles.PassLinesOff()
-        triangles.PassVertsOff()
-        triangles.SetInputData(boundary)
-        triangles.Update()
-        return points_of(triangles.GetOutput()), simplices_of(triangles.GetOutput())[:, :3]
+        return surface_of_data(boundary)
 
     def _outline(self, boundary):
         if boundary is None:

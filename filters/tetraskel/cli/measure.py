@@ -1,0 +1,36 @@
+"""Judge a skeleton against the true surface of its object.
+
+Prints homotopy, inside, centredness, reconstruction and branches as a table, or as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from tetraskel.errors import InputError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What `tetraskel measure` takes."""
+    parser.add_argument("skeleton", metavar="SKELETON", help="a curve skeleton: .vtp .vtk")
+    parser.add_argument("surface", metavar="SURFACE", help="the closed surface of the object: .obj .ply .stl .vtp .vtk")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Measure and print."""
+    from tetraskel.cli.files import read
+    from tetraskel.kernels.measures import measure
+    from tetraskel.vtkfilters.convert import surface_of_data
+    from tetraskel.vtkfilters.curve_skeleton import skeleton_from
+
+    numbers = measure(skeleton_from(read(chosen.skeleton)), surface_of_data(read(chosen.surface)))
+    if not numbers:
+        raise InputError("nothing to measure.")
+    if chosen.json:
+        print(json.dumps(numbers, indent=2))
+        return
+    width = max(map(len, numbers))
+    for name, value in numbers.items():
+        print(f"{name:<{width}}  {value:.6g}")
