@@ -6,8 +6,8 @@ second folder, one small picture per mesh is left there.
 
 from __future__ import annotations
 
-import itertools
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +31,7 @@ def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
             vertices.append([float(x) for x in rest[:3]])
         elif word == "f":
             corners = [int(corner.split("/")[0]) - 1 for corner in rest]
-            triangles += [[corners[0], b, c] for b, c in itertools.pairwise(corners)]
+            triangles += [[corners[0], b, c] for b, c in pairwise(corners[1:])]
     return np.array(vertices), np.array(triangles)
 
 

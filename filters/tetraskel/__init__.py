@@ -3,10 +3,13 @@
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.binary import BinaryTree, binarize
+from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
+from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.decode import decode_tree
 from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
+from tetraskel.kernels.measures import measure
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
@@ -19,10 +22,12 @@ __version__ = "0.1.0"
 __all__ = [
     "Aborted",
     "BinaryTree",
+    "CurveModel",
     "EngineError",
     "InputError",
     "InsideWarning",
     "MeshError",
+    "Skeleton",
     "TetraskelError",
     "Tree",
     "TreeSkeleton",
@@ -30,11 +35,15 @@ __all__ = [
     "assemble_skeleton",
     "binarize",
     "build_tree",
+    "curve_model",
+    "curve_skeleton",
     "decode_tree",
+    "draw_curve",
     "gate_arrays",
     "gate_tree",
     "inside_by_outline",
     "interior",
+    "measure",
     "remove_flat",
     "submesh",
     "tree_skeleton",

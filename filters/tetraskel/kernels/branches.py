@@ -27,6 +27,7 @@ JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
 TIP = (0.5, 0.2)
+LONGER = 0.5  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
@@ -190,7 +191,7 @@ def _grow(
     exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
-    limit = np.inf
+    limit, ends = np.inf, list[int]()
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
@@ -206,6 +207,9 @@ def _grow(
             continue
         fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
         worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
+        if path[-1] in ends:
+            worth *= LONGER
+        ends.append(int(path[0]))
         found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
         exposure.add_end(int(path[0]))
         on_skeleton.update(dict.fromkeys(path[:-1].tolist(), worth))

@@ -102,7 +102,7 @@ def _burn_loop(  # type: ignore[no-untyped-def]
                 dy = middles[3 * g + 1] - middles[s + 1]
                 dz = middles[3 * g + 2] - middles[s + 2]
                 arrival = max(time, start[source[f]] + math.sqrt(dx * dx + dy * dy + dz * dz))
-                if (around[g] == 1 or around[g] == 0) and arrival < burned[g]:
+                if around[g] <= 1 and arrival < burned[g]:
                     burned[g] = arrival
                     source[g] = source[f]
                     heappush(fires, (arrival, g))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,8 +75,8 @@ def _paths_from(start: int, around: dict[int, list[int]], walked: set[tuple[int,
         while len(around[path[-1]]) == 2 and path[-1] != start:
             a, b = around[path[-1]]
             path.append(b if a == path[-2] else a)
-        walked.update(itertools.pairwise(path))
-        walked.update(zip(path[1:], path[:-1], strict=True))
+        walked.update(pairwise(path))
+        walked.update(pairwise(path[::-1]))
         paths.append(np.array(path))
     return paths
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,7 +139,7 @@ def _bent_inside(lines: Lines, bad: Bools, nodes: MedialNodes, inner: InnerMesh)
     for start, stop in zip(lines.offsets[:-1], lines.offsets[1:], strict=True):
         row = lines.connectivity[start:stop].tolist()
         bent = row[:1]
-        for a, b in itertools.pairwise(row):
+        for a, b in pairwise(row):
             if bad[edge]:
                 route = facets_between(inner, int(homes[a]), int(homes[b]))
                 bent += range(n_points, n_points + len(route))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,6 +103,6 @@ def facets_between(inner: InnerMesh, start: int, stop: int) -> Floats:
     way = [stop]
     while way[-1] != start:
         way.append(came_from[way[-1]])
-    shared = [np.intersect1d(inner.simplices[a], inner.simplices[b]) for a, b in itertools.pairwise(way)]
+    shared = [np.intersect1d(inner.simplices[a], inner.simplices[b]) for a, b in pairwise(way)]
     middles = [inner.coordinates[points].mean(axis=0) for points in shared[::-1]]
     return np.array(middles).reshape(len(middles), inner.coordinates.shape[1])
