@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.branches import Branches
 from tetraskel.kernels.chunks import Tick
@@ -14,6 +13,7 @@ from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.loops_in_python import run_loop
 from tetraskel.kernels.medial_nodes import MedialNodes
 from tetraskel.kernels.medial_tree import MedialTree
+from tetraskel.kernels.nearest import Cloud
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -37,7 +37,7 @@ def anchor_points(inner: InnerMesh, nodes: MedialNodes, core: Core, branches: Br
     result[inner.point_ids] = anchor[widest]
     lost = np.flatnonzero(result < 0)
     if len(lost) and len(inner.point_ids):
-        nearest = cKDTree(inner.coordinates).query(inner.mesh.coordinates[lost])[1]
+        nearest = Cloud(inner.coordinates).query(inner.mesh.coordinates[lost])[1]
         result[lost] = result[inner.point_ids[nearest]]
     return result
 
@@ -65,7 +65,7 @@ def points_of_anchors(anchors: Ints, tree: MedialTree, positions: Floats, lines:
     for component in np.unique(tree.component[wanted[lost]]):
         mine = np.flatnonzero(tree.component[lines.nodes] == component)
         some = lost[tree.component[wanted[lost]] == component]
-        found[some] = mine[cKDTree(lines.positions[mine]).query(positions[wanted[some]])[1]]
+        found[some] = mine[Cloud(lines.positions[mine]).query(positions[wanted[some]])[1]]
     return found[back]
 
 

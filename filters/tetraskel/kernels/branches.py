@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.core import Core
 from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips
+from tetraskel.kernels.nearest import Cloud
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -234,7 +234,7 @@ def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[in
     while path[-1] not in on_skeleton:
         path.append(int(parent[path[-1]]))
     nodes = np.array(path)
-    away, nearest = cKDTree(balls.positions[kept]).query(balls.positions[nodes])
+    away, nearest = Cloud(balls.positions[kept]).query(balls.positions[nodes])
     near = np.flatnonzero(away < JOIN * balls.radii[kept[nearest]])
     if len(near) == 0 or near[0] >= len(nodes) - 1:
         return nodes

@@ -12,8 +12,6 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.dual_complex import DualComplex
@@ -86,6 +84,9 @@ def _ridges_below_inner_points(cells: DualComplex) -> Ints:
     keys, first = np.unique(key, return_index=True)
     low, high = np.divmod(keys, outside + 1)
     shape = (outside + 1, outside + 1)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order
+
     graph = coo_array((np.ones(len(keys)), (low, high)), shape=shape).tocsr()
     sequence, parent = breadth_first_order(graph, outside, directed=False)
     sons = sequence[1:]

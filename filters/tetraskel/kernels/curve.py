@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.errors import InputError, InsideWarning, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
@@ -27,6 +26,7 @@ from tetraskel.kernels.loops import Loops, find_loops
 from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.passage_widths import passage_widths
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
@@ -202,7 +202,7 @@ def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:
     if len(facets) == 0:
         return np.empty(0)
     corners = inner.simplices[cells.facets[facets, 0]]
-    cloud = cKDTree(inner.mesh.coordinates, compact_nodes=False, balanced_tree=False)
+    cloud = Cloud(inner.mesh.coordinates)
     away, _ = cloud.query(inner.coordinates[corners.ravel()], min(NEAREST + 1, cloud.n))
     return away[:, 1:].mean(axis=1).reshape(corners.shape).mean(axis=1)
 

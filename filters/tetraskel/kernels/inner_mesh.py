@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.passage_widths import passage_widths
 from tetraskel.kernels.points import morton_order
 
@@ -41,9 +41,9 @@ class InnerMesh:
     mesh: Triangulation
 
     @cached_property
-    def cloud(self) -> cKDTree:
+    def cloud(self) -> Cloud:
         """The points, for questions about the nearest."""
-        return cKDTree(self.coordinates, compact_nodes=False, balanced_tree=False)
+        return Cloud(self.coordinates)
 
     @cached_property
     def widest_door(self) -> float:
