@@ -45,7 +45,7 @@ def test_tree_is_build_tree(tmp_path, capsys):
 def test_skeleton_is_the_chain(tmp_path, capsys):
     cloud = SAMPLES / "cloud20.csv"
     options = ["--threshold", "0.15", "--traversal", "depth", "--centre", "incentre", "--joggle", "1e-6"]
-    assert run(capsys, "skeleton", cloud, tmp_path / "s.vtp", *options, "--keep-leaves")[0] == 0
+    assert run(capsys, "skeleton", cloud, tmp_path / "s.vtp", "--method", "tree", *options, "--keep-leaves")[0] == 0
     tree = build_tree(triangulate(coordinates(cloud), joggle=1e-6), traversal="depth")
     skeleton = assemble_skeleton(remove_flat(tree, threshold=0.15), centre="incentre", keep_leaves=True)
     written = pyvista.read(tmp_path / "s.vtp")
@@ -272,7 +272,7 @@ def test_interrupted_work_leaves_nothing(tmp_path, capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(TreeBuilder, "execute", interrupt)
-    status, _, err = run(capsys, "skeleton", POLYGON, tmp_path / "o.vtp")
+    status, _, err = run(capsys, "skeleton", POLYGON, tmp_path / "o.vtp", "--method", "tree")
     assert status == 130
     assert err == "tetraskel skeleton: stopped; nothing was written.\n"
     assert not list(tmp_path.iterdir())

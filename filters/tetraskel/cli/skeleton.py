@@ -32,6 +32,8 @@ def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
     if chosen.inside is None:
         chosen.inside = "gates" if chosen.method == "curve" else "all"
+    for options in (CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions):
+        values(chosen, options)  # a wrong value is told, whether this method uses it or not
     extras = _extra_writers(chosen)
     if chosen.method == "tree":
         _tree(chosen, extras)

@@ -1,0 +1,125 @@
+"""Skeletons in the formats of other programs, read back by hand."""
+
+from __future__ import annotations
+
+import json
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import pyvista
+
+from paths import SAMPLES
+from tetraskel import curve_skeleton
+from tetraskel.cli import main
+
+GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
+
+
+@pytest.fixture(scope="module")
+def skeletons():
+    """The curve skeletons of a tube that branches and of one that closes."""
+    clouds = {name: np.asarray(pyvista.read(SAMPLES / f"{name}.vtp").points) for name in ("y_tube", "torus")}
+    return {name: curve_skeleton(points) for name, points in clouds.items()}
+
+
+def written(name, path, *options):
+    assert main(["skeleton", str(SAMPLES / f"{name}.vtp"), str(path), *map(str, options)]) == 0
+    return path
+
+
+def edge_set(edges):
+    return {frozenset(edge) for edge in np.asarray(edges).tolist()}
+
+
+@pytest.mark.parametrize("name", ["y_tube", "torus"])
+def test_swc(tmp_path, skeletons, name):
+    skeleton = skeletons[name]
+    lines = written(name, tmp_path / "s.swc").read_text().splitlines()
+    comments = [line for line in lines if line.startswith("#")]
+    rows = np.array([line.split() for line in lines if not line.startswith("#")], float)
+    ids, parents = rows[:, 0].astype(int), rows[:, 6].astype(int)
+    assert ids.tolist() == list(range(1, len(skeleton) + 1))
+    assert ((parents < ids) & ((parents > 0) | (parents == -1))).all()
+    assert (parents == -1).sum() == skeleton.components
+    cut = [tuple(map(int, line.split("edge ")[1].split(",")[0].split())) for line in comments[1:]]
+    assert len(cut) == skeleton.loops
+    assert len(cut) + (parents > 0).sum() == len(skeleton.edges)
+    assert np.sort(rows[:, 5]) == pytest.approx(np.sort(skeleton.radius))
+
+
+def test_graphml(tmp_path, skeletons):
+    root = ElementTree.parse(written("torus", tmp_path / "s.graphml")).getroot()
+    keys = {key.get("attr.name"): key.get("id") for key in root.iter(f"{GRAPHML}key")}
+    nodes = list(root.iter(f"{GRAPHML}node"))
+    edges = [(int(e.get("source")[1:]), int(e.get("target")[1:])) for e in root.iter(f"{GRAPHML}edge")]
+    x = [float(data.text) for node in nodes for data in node if data.get("key") == keys["x"]]
+    assert x == skeletons["torus"].points[:, 0].tolist()
+    assert edge_set(edges) == edge_set(skeletons["torus"].edges)
+
+
+def test_ply(tmp_path, skeletons):
+    header, body = written("y_tube", tmp_path / "s.ply").read_text().split("end_header\n")
+    skeleton, rows = skeletons["y_tube"], body.splitlines()
+    assert f"element vertex {len(skeleton)}" in header
+    vertices = np.array([row.split() for row in rows[: len(skeleton)]], float)
+    assert np.array_equal(vertices, np.column_stack([skeleton.points, skeleton.radius]))
+    assert edge_set([list(map(int, row.split())) for row in rows[len(skeleton) :]]) == edge_set(skeleton.edges)
+
+
+def test_tables_and_points(tmp_path, skeletons):
+    extra = {"--edges": "e.csv", "--table": "t.csv", "--points": "p.vtp"}
+    options = [part for flag, file in extra.items() for part in (flag, tmp_path / file)]
+    nodes = np.genfromtxt(written("y_tube", tmp_path / "n.csv", *options), delimiter=",", names=True)
+    skeleton = skeletons["y_tube"]
+    assert nodes["x"].tolist() == skeleton.points[:, 0].tolist()
+    assert nodes["ParentId"].tolist() == skeleton.parent.tolist()
+    edges = np.loadtxt(tmp_path / "e.csv", delimiter=",", skiprows=1, dtype=int)
+    assert edge_set(edges) == edge_set(skeleton.edges)
+    table = (tmp_path / "t.csv").read_text().splitlines()
+    assert table[0].startswith("CellId,Radius,Length,Curvature,Torsion,Tortuosity,StartPointPosition")
+    assert len(table) == skeleton.n_branches + 1
+    cloud = pyvista.read(tmp_path / "p.vtp")
+    assert np.array_equal(cloud["SkeletonNodeId"], skeleton.point_nodes)
+
+
+def test_the_paper_s_skeleton_is_a_method(tmp_path):
+    tree = pyvista.read(written("y_tube", tmp_path / "t.vtp", "--method", "tree"))
+    assert "SubtreeSize" in tree.point_data
+    assert main(["skeleton", str(SAMPLES / "y_tube.vtp"), str(tmp_path / "t.swc"), "--method", "tree"]) == 0
+
+
+def test_measure_prints_a_table_and_json(tmp_path, capsys):
+    torus = pyvista.ParametricTorus(ringradius=1, crosssectionradius=0.35).triangulate()
+    torus.save(tmp_path / "torus.ply")
+    skeleton = written("torus", tmp_path / "s.vtp")
+    capsys.readouterr()
+    assert main(["measure", str(skeleton), str(tmp_path / "torus.ply"), "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["loops"] == 1
+    assert numbers["inside"] == 1
+    assert numbers["centredness"] > 0.9
+    assert main(["measure", str(skeleton), str(tmp_path / "torus.ply")]) == 0
+    assert "centredness" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["skeleton", "in.csv", "o.vtp", "--method", "tree", "--points", "p.vtp"],
+            "expected --points with",
+        ),
+        (["skeleton", "in.csv", "o.vtp", "--edges", "e.txt"], "expected an output file ending in .csv"),
+        (["skeleton", "in.csv", "o.vtp", "--detail", "2"], "detail must lie between 0 and 1; got 2"),
+        (["measure", "in.csv", "in.csv"], "expected lines with the point array MaximumInscribedSphereRadius"),
+        (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none"),
+    ],
+)
+def test_bad_use_is_one_line(tmp_path, capsys, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    np.savetxt("in.csv", np.random.default_rng(0).random((50, 3)), delimiter=",")
+    assert main(arguments) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert message in told[-1]
+    assert not (tmp_path / "o.vtp").exists()

@@ -1,0 +1,177 @@
+"""CurveSkeleton in a VTK pipeline gives what `curve_skeleton` gives."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+
+from tetraskel import InputError, curve_skeleton, measure, triangulate
+from tetraskel.kernels import curve
+from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
+from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_points
+from tetraskel.vtkfilters.curve_skeleton import skeleton_from
+
+
+@pytest.fixture(autouse=True)
+def messages():
+    window = vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(window)
+    yield window
+    vtkOutputWindow.SetInstance(None)
+
+
+def tube(n=4000):
+    """Random points of a torus of radii 1 and 0.3."""
+    u, v = np.random.default_rng(0).random((2, n)) * 2 * np.pi
+    return np.stack([(1 + 0.3 * np.cos(v)) * np.cos(u), (1 + 0.3 * np.cos(v)) * np.sin(u), 0.3 * np.sin(v)], axis=1)
+
+
+def polydata(points, **arrays):
+    data = vtkPolyData()
+    data.SetPoints(to_points(np.asarray(points, float)))
+    add_arrays(data.GetPointData(), arrays)
+    return data
+
+
+def skeleton_step(data, **options):
+    step = CurveSkeleton(**options)
+    step.SetInputDataObject(0, data)
+    return step
+
+
+def assert_is(data, expected):
+    points = data.GetPointData()
+    assert np.array_equal(points_of(data)[:, : expected.points.shape[1]], expected.points)
+    assert np.array_equal(vtk_to_numpy(data.GetLines().GetConnectivityArray()), expected.connectivity)
+    assert np.array_equal(array_of(points, "MaximumInscribedSphereRadius"), expected.radius)
+    for name, values in {
+        "ParentId": expected.parent,
+        "Depth": expected.depth,
+        "BranchId": expected.branch_id,
+        "NodeType": expected.node_type,
+        "NodeDegree": expected.node_degree,
+        "StrahlerOrder": expected.strahler_order,
+        "Abscissas": expected.abscissa,
+        "Blanking": expected.blanking,
+    }.items():
+        assert np.array_equal(array_of(points, name), values), name
+    for name, values in {
+        "Length": expected.branch_length,
+        "Tortuosity": expected.branch_tortuosity,
+        "MeanRadius": expected.branch_radius,
+        "GroupIds": expected.branch_group,
+        "Blanking": expected.branch_blanking,
+    }.items():
+        assert np.array_equal(array_of(data.GetCellData(), name), values), name
+    for name, value in {
+        "Components": expected.components,
+        "Loops": expected.loops,
+        "LoopsRefused": expected.loops_refused,
+    }.items():
+        assert array_of(data.GetFieldData(), name)[0] == value
+
+
+def test_points_are_enough():
+    points = tube()
+    expected = curve_skeleton(points)
+    step = skeleton_step(polydata(points, number=np.arange(len(points))))
+    assert_is(step.run(), expected)
+    assert (expected.components, expected.loops) == (1, 1)
+    second = step.GetOutputDataObject(1)
+    assert np.array_equal(points_of(second), points)
+    assert np.array_equal(array_of(second.GetPointData(), "SkeletonNodeId"), expected.point_nodes)
+    assert np.array_equal(array_of(second.GetPointData(), "BranchId"), expected.point_branches)
+    assert np.array_equal(array_of(second.GetPointData(), "number"), np.arange(len(points)))
+
+
+@pytest.mark.parametrize("options", [{"root": "widest"}, {"root": "point", "root_point": (0, -1, 0)}, {"detail": 1.0}])
+def test_options_are_passed_on(options):
+    expected = {"detail": options.get("detail", 0.5)}
+    if "root" in options:
+        expected["root"] = options.get("root_point", options["root"])
+    assert_is(skeleton_step(polydata(tube()), **options).run(), curve_skeleton(tube(), **expected))
+
+
+def test_a_mesh_is_found_inside_or_taken_as_labelled():
+    points = tube()
+    mesh = DelaunayMesh()
+    mesh.SetInputDataObject(0, polydata(points))
+    grid = mesh.run()
+    assert_is(skeleton_step(grid).run(), curve_skeleton(triangulate(points)))
+    inside = InteriorCells()
+    inside.SetInputDataObject(0, grid)
+    assert_is(skeleton_step(inside.run()).run(), curve_skeleton(points))
+    everything = InteriorCells(method="all")
+    everything.SetInputDataObject(0, grid)
+    data = skeleton_step(everything.run()).run()
+    assert array_of(data.GetFieldData(), "Loops")[0] == 0  # the hull of a torus has no hole
+
+
+def test_another_detail_is_drawn_from_the_same_model(monkeypatch):
+    from tetraskel.vtkfilters import curve_skeleton as module
+
+    made = []
+
+    def counted(*arguments, **options):
+        made.append(1)
+        return curve.curve_model(*arguments, **options)
+
+    monkeypatch.setattr(module, "curve_model", counted)
+    data = polydata(tube())
+    step = skeleton_step(data)
+    step.run()
+    for detail in (0.1, 0.9):
+        step.detail = detail
+        assert_is(step.run(), curve_skeleton(tube(), detail=detail))
+    assert len(made) == 1
+    data.Modified()
+    step.loop_spacings = 3
+    step.run()
+    assert len(made) == 2
+
+
+def test_surfaces_keep_their_cells_on_the_second_output():
+    source = vtkSphereSource()
+    source.SetThetaResolution(20)
+    source.SetPhiResolution(20)
+    source.Update()
+    step = skeleton_step(source.GetOutput())
+    step.run()
+    assert step.GetOutputDataObject(1).GetNumberOfPolys() == source.GetOutput().GetNumberOfPolys()
+
+
+def test_a_skeleton_read_back_measures_the_same():
+    source = vtkSphereSource()
+    source.SetRadius(2)
+    source.Update()
+    surface = points_of(source.GetOutput()), simplices_of(source.GetOutput())
+    skeleton = curve_skeleton(tube())
+    read = skeleton_from(skeleton_step(polydata(tube())).run())
+    assert measure(read, surface) == pytest.approx(measure(skeleton, surface))
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (np.random.default_rng(1).random((300, 3)), "expected an object with an inside, got none"),
+        ([[0, 0, 0], [1, 0, 0]], "expected at least 3 distinct points"),
+        ([[0, 0, 0], [1, np.nan, 0]], "with NaN"),
+    ],
+)
+def test_what_has_no_skeleton_is_one_line(messages, points, message):
+    with pytest.raises(InputError, match=message):
+        skeleton_step(polydata(points)).run()
+    assert messages.GetOutput().count("CurveSkeleton: ") == 1
+
+
+def test_no_points_give_an_empty_skeleton_with_all_arrays():
+    full, empty = skeleton_step(polydata(tube())).run(), skeleton_step(vtkPolyData()).run()
+    for attributes in ("GetPointData", "GetCellData"):
+        named = [getattr(data, attributes)() for data in (full, empty)]
+        names = [{one.GetArrayName(k) for k in range(one.GetNumberOfArrays())} for one in named]
+        assert names[0] == names[1]
+    assert empty.GetNumberOfPoints() == 0
