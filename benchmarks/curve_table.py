@@ -71,7 +71,7 @@ def picture(skeleton: Skeleton, vertices: np.ndarray, triangles: np.ndarray, pat
         plotter.add_mesh(solid, color="lightgray", opacity=0.25, smooth_shading=True)
         plotter.add_mesh(bones.tube(radius=0.005 * diagonal), scalars="radius", show_scalar_bar=False)
         plotter.view_vector(direction, viewup=(0, 1, 0))
-        plotter.camera.zoom(1.3)
+        plotter.camera.zoom(1.0)
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(path)
     plotter.close()

@@ -14,7 +14,7 @@ from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import END, JUNCTION, Skeleton
 from tetraskel.kernels.inside_check import facets_between, stays_inside
-from tetraskel.kernels.loops_in_python import SWITCH
+from tetraskel.kernels.loops_in_python import SWITCH, numba_is_used
 from tetraskel.kernels.measures import graph_numbers, measure, samples_along
 from tetraskel.kernels.triangulate import triangulate
 
@@ -41,7 +41,7 @@ def bones_apart(a: Skeleton, b: Skeleton) -> float:
     return float(max(away.min(axis=0).max(), away.min(axis=1).max()) / np.linalg.norm(np.ptp(first, axis=0)))
 
 
-@pytest.mark.parametrize("density", [0, 1, 2])
+@pytest.mark.parametrize("density", [0, 1, 2] if numba_is_used() else [0])  # slow where loops are not compiled
 @pytest.mark.parametrize("name", sorted(TUBES))
 def test_tubes_have_their_axes(name: str, density: int) -> None:
     tube = TUBES[name]()
