@@ -11,7 +11,7 @@ import pytest
 from paths import PLUGIN, ROOT, SHIM
 
 REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"
-SECONDS = 120
+SECONDS = 300
 
 
 def program(name):

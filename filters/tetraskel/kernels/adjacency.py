@@ -49,12 +49,17 @@ def is_mesh(simplices: Ints, neighbors: Ints) -> bool:
     keys = numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers
     cells = np.broadcast_to(np.arange(m)[:, None], neighbors.shape)
     lower, upper = neighbors > cells, (neighbors >= 0) & (neighbors < cells)
-    low_says = keys[lower] + _scramble((cells[lower] * np.uint64(m) + neighbors[lower]).astype(np.uint64))
-    high_says = keys[upper] + _scramble((neighbors[upper] * np.uint64(m) + cells[upper]).astype(np.uint64))
+    low_says = keys[lower] + _pair_numbers(cells[lower], neighbors[lower], m)
+    high_says = keys[upper] + _pair_numbers(neighbors[upper], cells[upper], m)
     if low_says.sum(dtype=np.uint64) != high_says.sum(dtype=np.uint64):
         return False
     ordered = np.sort(keys[lower])
     return not bool((ordered[1:] == ordered[:-1]).any())
+
+
+def _pair_numbers(low: Ints, high: Ints, m: int) -> NDArray[np.uint64]:
+    """A random-looking number for each pair of simplices."""
+    return _scramble(low.astype(np.uint64) * np.uint64(m) + high.astype(np.uint64))
 
 
 def _scramble(ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
