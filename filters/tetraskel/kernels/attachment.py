@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.branches import Branches
 from tetraskel.kernels.chunks import Tick
@@ -25,6 +24,8 @@ def anchor_points(inner: InnerMesh, nodes: MedialNodes, core: Core, branches: Br
     A point belongs to its widest interior simplex (the pole of Amenta and Bern 1999), and that to the first node of
     the skeleton on its way to the root. A point without interior simplex goes with the nearest that has one.
     """
+    from scipy.spatial import cKDTree  # not every ParaView has it
+
     tree = core.tree
     anchor = np.full(len(tree.parent), -1)
     for kept in (core.nodes, *(edges.ravel() for edges in branches.edges)):
@@ -58,6 +59,8 @@ def points_of_anchors(anchors: Ints, tree: MedialTree, positions: Floats, lines:
     positions : (m, d) float
         Of the nodes.
     """
+    from scipy.spatial import cKDTree  # not every ParaView has it
+
     point_of = {int(node): point for point, node in reversed(list(enumerate(lines.nodes.tolist())))}
     wanted, back = np.unique(anchors, return_inverse=True)
     found = np.array([_climb(int(node), tree.parent, point_of) for node in wanted], dtype=np.int64)

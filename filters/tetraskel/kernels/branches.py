@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.core import Core
@@ -230,6 +229,8 @@ def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
 
 def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], kept: Ints) -> Ints:
     """Nodes from a tip up to the skeleton: to where the path enters a ball, then straight to its node."""
+    from scipy.spatial import cKDTree  # not every ParaView has it
+
     path = [tip]
     while path[-1] not in on_skeleton:
         path.append(int(parent[path[-1]]))

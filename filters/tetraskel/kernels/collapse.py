@@ -12,8 +12,6 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.dual_complex import DualComplex
@@ -77,6 +75,9 @@ def _ridges_below_inner_points(cells: DualComplex) -> Ints:
     """The 2-cell through which each 3-cell collapses: towards its parent in a breadth-first forest from outside."""
     if len(cells.inner_points) == 0:
         return np.empty(0, np.int64)
+    from scipy.sparse import coo_array  # not every ParaView has it
+    from scipy.sparse.csgraph import breadth_first_order
+
     outside = len(cells.inner_points)
     number = np.full(max(int(cells.ridge_points.max(initial=0)), int(cells.inner_points[-1])) + 1, outside)
     number[cells.inner_points] = np.arange(outside)

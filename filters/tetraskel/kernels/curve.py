@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.errors import InputError, InsideWarning, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
@@ -108,7 +107,7 @@ def curve_skeleton(
     Examples
     --------
     >>> import numpy as np
-    >>> angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    >>> angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     >>> circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     >>> ring = curve_skeleton(np.concatenate([circle, 0.6 * circle]))
     >>> ring.components, ring.loops, ring.n_branches
@@ -199,6 +198,8 @@ def _facet_widths(inner: InnerMesh) -> Floats:
 
 def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:
     """Mean distance from the points of each facet's first simplex to their six nearest."""
+    from scipy.spatial import cKDTree  # not every ParaView has it
+
     if len(facets) == 0:
         return np.empty(0)
     corners = inner.simplices[cells.facets[facets, 0]]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import passage_widths
@@ -41,8 +41,10 @@ class InnerMesh:
     mesh: Triangulation
 
     @cached_property
-    def cloud(self) -> cKDTree:
-        """The points, for questions about the nearest."""
+    def cloud(self) -> Any:
+        """The points as SciPy's k-d tree, for questions about the nearest."""
+        from scipy.spatial import cKDTree  # not every ParaView has it
+
         return cKDTree(self.coordinates, compact_nodes=False, balanced_tree=False)
 
     @cached_property
