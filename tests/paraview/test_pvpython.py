@@ -145,7 +145,7 @@ from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
 cloud = XMLPolyDataReader(FileName=ROOT + "/sample_data/y_tube.vtp")
 curve = CurveSkeleton(Input=cloud)
 curve.UpdatePipeline()
-data, points = (WrapDataObject(servermanager.Fetch(OutputPort(curve, port))) for port in (0, 1))
+data, points = (WrapDataObject(servermanager.Fetch(curve, idx=port)) for port in (0, 1))
 np.savez("out.npz", points=data.Points, radius=data.PointData["MaximumInscribedSphereRadius"],
          parent=data.PointData["ParentId"], node=points.PointData["SkeletonNodeId"])
 curve.Detail = 1

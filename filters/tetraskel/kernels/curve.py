@@ -108,7 +108,7 @@ def curve_skeleton(
     Examples
     --------
     >>> import numpy as np
-    >>> angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    >>> angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     >>> circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     >>> ring = curve_skeleton(np.concatenate([circle, 0.6 * circle]))
     >>> ring.components, ring.loops, ring.n_branches
