@@ -8,7 +8,7 @@ OUT := demo_output
 
 demo: $(READY)
 	mkdir -p $(OUT)
-	$(BIN)/tetraskel skeleton sample_data/cloud20.csv $(OUT)/skeleton.vtp --png $(OUT)/skeleton.png
+	$(BIN)/tetraskel skeleton sample_data/y_tube.vtp $(OUT)/skeleton.vtp --png $(OUT)/skeleton.png
 	@echo "The skeleton is in $(OUT)/skeleton.vtp, its picture in $(OUT)/skeleton.png"
 
 test: $(READY) .pvpython-packages

@@ -8,6 +8,8 @@ import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
 from tetraskel import assemble_skeleton, build_tree, curve_skeleton, interior, remove_flat, triangulate
+from tetraskel.kernels.centres import circumballs
+from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
     CurveOptions,
     DelaunayOptions,
@@ -30,7 +32,9 @@ kept = FlatTetraRemoval(Input=tree, Threshold=0.1)
 skeleton = SkeletonOutput(Input=kept)
 fetched = {name: WrapDataObject(servermanager.Fetch(proxy)) for name, proxy in
            dict(mesh=mesh, tree=tree, kept=kept, skeleton=skeleton).items()}
-np.savez("out.npz", points=fetched["skeleton"].Points, branch=fetched["skeleton"].PointData["BranchId"],
+np.savez("out.npz", **{"tree_" + name: fetched["tree"].PointData[name] for name in
+                      "NodeId Depth SonRank SonCount SubtreeSize ApexId EntryFacet Quality Radius".split()},
+         points=fetched["skeleton"].Points, branch=fetched["skeleton"].PointData["BranchId"],
          parent=fetched["tree"].PointData["ParentId"], cell=fetched["kept"].PointData["CellId"],
          simplices=fetched["mesh"].Cells.reshape(-1, 5)[:, 1:])
 """
@@ -47,6 +51,19 @@ def test_the_chain_gives_the_arrays_of_the_kernels(pvpython, tmp_path):
     skeleton = assemble_skeleton(kept)
     assert np.array_equal(out["simplices"], mesh.simplices)
     assert np.array_equal(out["parent"], tree.parent)
+    radius, _ = circumballs(mesh)
+    for name, values in {
+        "NodeId": np.arange(len(tree)),
+        "Depth": tree.depth,
+        "SonRank": tree.son_rank,
+        "SonCount": tree.son_count,
+        "SubtreeSize": tree.subtree_size,
+        "ApexId": tree.apex,
+        "EntryFacet": tree.entry_facet,
+        "Quality": qualities(mesh)[tree.cell],
+    }.items():
+        assert np.array_equal(out["tree_" + name], values), name
+    assert np.allclose(out["tree_Radius"], radius[tree.cell], rtol=1e-12)
     assert np.array_equal(out["cell"], kept.cell)
     assert np.array_equal(out["branch"], skeleton.branch_id)
     assert np.array_equal(out["points"], skeleton.points)

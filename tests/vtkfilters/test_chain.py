@@ -452,3 +452,14 @@ def test_quality_is_the_reciprocal_of_vtks_measures():
         judge.Update()
         theirs = array_of(judge.GetOutput().GetCellData(), "Quality")
         assert 1 / qualities(triangulate(CLOUDS[name])) == pytest.approx(theirs, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", CLOUDS)
+def test_pyvista_s_data_sets_are_inputs_like_any(name):
+    pyvista = pytest.importorskip("pyvista")  # ParaView has none
+    cloud = pyvista.PolyData(points_of(polydata(CLOUDS[name])).copy())
+    ours, theirs = (chain(data, DelaunayMesh(), TreeBuilder()) for data in (polydata(CLOUDS[name]), cloud))
+    assert np.array_equal(points_of(theirs), points_of(ours))
+    for array in names(ours.GetPointData()):
+        assert np.array_equal(point_array(theirs, array), point_array(ours, array)), array
+    assert np.array_equal(pyvista.wrap(theirs)["Depth"], build_tree(triangulate(CLOUDS[name])).depth)
