@@ -46,7 +46,8 @@ def qualities(mesh: Triangulation, tick: Tick = silent) -> Floats:
         squares = _sum_of_squared_edges(corners)
         volume = np.abs(_signed(corners))
         with np.errstate(invalid="ignore", divide="ignore"):
-            found[piece] = np.where(squares > 0, volume / (BETA[dim] * squares ** (dim / 2)), 0.0)
+            size = squares if dim == 2 else squares * np.sqrt(squares)  # h**d; a power is rounded otherwise elsewhere
+            found[piece] = np.where(squares > 0, volume / (BETA[dim] * size), 0.0)
 
     for_chunks(measure, len(mesh), tick)
     return found
