@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+Counts = NDArray[np.int32]
 
 # A forest with more levels than this is a few long paths: a loop over its nodes then beats a loop over levels.
 MANY_LEVELS = 20_000
@@ -62,16 +63,16 @@ class Forest:
 
 def complete_forest(parent: Ints, depth: Ints, tree_id: Ints) -> Forest:
     """The forest of these parents, depths and tree ids: sons ranked and counted, subtrees measured."""
-    count = np.bincount(parent[parent >= 0], minlength=len(parent)).astype(np.int32)
     levels = level_slices(depth)
     if len(levels) > MANY_LEVELS:
-        rank, size = _measure_node_by_node(parent)
+        rank, count, size = _measure_node_by_node(parent)
     elif is_sorted(depth):
-        rank, size = _measure_level_by_level(parent, levels)
+        rank, count, size = _measure_level_by_level(parent, levels)
     else:
         order = np.argsort(depth, kind="stable")
         number = np.append(np.argsort(order), -1)
-        rank, size = (values[number[:-1]] for values in _measure_level_by_level(number[parent[order]], levels))
+        in_levels = _measure_level_by_level(number[parent[order]], levels)
+        rank, count, size = (values[number[:-1]] for values in in_levels)
     return Forest(parent, depth, rank, count, size, tree_id)
 
 
@@ -86,32 +87,34 @@ def level_slices(depth: Ints) -> list[slice]:
     return [slice(int(start), int(end)) for start, end in zip([0, *ends[:-1]], ends, strict=False)]
 
 
-def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Ranks and sizes of nodes numbered level by level: the sons of one parent are then neighbours."""
-    rank, size = np.zeros(len(parent), np.int32), np.ones(len(parent), np.int32)
-    n_roots = levels[0].stop if levels else 0
-    first = n_roots + np.flatnonzero(np.diff(parent[n_roots:], prepend=-1))  # first sons
-    first_son = np.zeros(len(parent), np.int32)
-    first_son[parent[first]] = first
-    rank[n_roots:] = np.arange(n_roots, len(parent), dtype=np.int32) - first_son[parent[n_roots:]]
-    bounds = np.searchsorted(first, [level.start for level in levels[1:]] + [len(parent)])
+def _measure_level_by_level(parent: Ints, levels: list[slice]) -> tuple[Counts, Counts, Counts]:
+    """Ranks, son counts and sizes of nodes numbered level by level: the sons of one parent are then neighbours."""
+    n, n_roots = len(parent), levels[0].stop if levels else 0
+    rank, count, size = np.zeros(n, np.int32), np.zeros(n, np.int32), np.ones(n, np.int32)
+    new_family = np.flatnonzero(parent[n_roots + 1 :] != parent[n_roots:-1]) + (n_roots + 1)
+    first = np.append(np.arange(n_roots, n)[:1], new_family).astype(np.int32)
+    families = np.diff(first, append=np.int32(n))
+    count[parent[first]] = families
+    rank[n_roots:] = np.arange(n_roots, n, dtype=np.int32) - np.repeat(first, families)
+    bounds = np.searchsorted(first, [level.start for level in levels[1:]] + [n])
     for k in range(len(levels) - 1, 0, -1):
         firsts = first[bounds[k - 1] : bounds[k]]
         size[parent[firsts]] += np.add.reduceat(size[levels[k]], firsts - levels[k].start)
-    return rank, size
+    return rank, count, size
 
 
-def _measure_node_by_node(parent: Ints) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def _measure_node_by_node(parent: Ints) -> tuple[Counts, Counts, Counts]:
+    """The same for nodes in any order that has parents before sons."""
     parents = parent.tolist()
-    sizes, seen, ranks = [1] * len(parents), [0] * len(parents), [0] * len(parents)
+    sizes, counts, ranks = [1] * len(parents), [0] * len(parents), [0] * len(parents)
     for node, above in enumerate(parents):
         if above >= 0:
-            ranks[node] = seen[above]
-            seen[above] += 1
+            ranks[node] = counts[above]
+            counts[above] += 1
     for node in range(len(parents) - 1, -1, -1):
         if parents[node] >= 0:
             sizes[parents[node]] += sizes[node]
-    return np.array(ranks, np.int32), np.array(sizes, np.int32)
+    return np.array(ranks, np.int32), np.array(counts, np.int32), np.array(sizes, np.int32)
 
 
 def preorder(forest: Forest) -> NDArray[np.int32]:

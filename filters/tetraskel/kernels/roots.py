@@ -19,8 +19,9 @@ def first_facets_by_piece(mesh: Triangulation, pieces: Ints) -> tuple[Ints, NDAr
     First is the facet whose barycentre has the smallest first coordinate, then second, then third; exact ties go
     to the smallest sorted point ids.
     """
-    cells, entries = np.nonzero(mesh.neighbors < 0)
-    facets = facet_points(mesh.simplices, cells * (mesh.dim + 1) + entries)
+    on_hull = np.flatnonzero(mesh.neighbors.ravel() < 0)
+    cells, entries = np.divmod(on_hull, mesh.dim + 1)
+    facets = facet_points(mesh.simplices, on_hull)
     candidates = np.arange(len(cells))
     for axis in mesh.coordinates.T:
         corners = axis[facets[candidates]]
