@@ -76,6 +76,20 @@ def test_filters_are_in_the_menu_and_the_chain_is_applied(paraview):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_curve_skeleton_is_one_click_and_a_slider(paraview):
+    detail = f"{PROPERTIES}/Detail/DoubleRangeWidget/DoubleLineEdit"
+    events = [
+        choose_filter("CurveSkeleton"),
+        check(detail, "0.5"),
+        APPLY,
+        event(detail, "set_string", "0.9"),
+        APPLY,
+        check(f"{PANEL}/Accept", "false", "enabled"),
+    ]
+    done = paraview("\n".join(events), script=OPEN, PV_PLUGIN_PATH=str(PLUGIN.parent))
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_the_skeleton_is_drawn(paraview, tmp_path):
     done = paraview("", script=OPEN + DRAW, PV_PLUGIN_PATH=str(PLUGIN.parent))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkBitArray, vtkOutputWindow, vtkStringArray, vtkStringOutputWindow
+from vtkmodules.vtkCommonCore import vtkBitArray, vtkStringArray
 from vtkmodules.vtkCommonDataModel import (
     VTK_HEXAHEDRON,
     VTK_TETRA,
@@ -41,15 +41,6 @@ CLOUDS = {
     "plane": np.random.default_rng(1).random((200, 2)),
     "lattice": np.stack(np.meshgrid(*[np.arange(4.0)] * 3), -1).reshape(-1, 3),
 }
-
-
-@pytest.fixture(autouse=True)
-def messages():
-    """What VTK would have printed."""
-    window = vtkStringOutputWindow()
-    vtkOutputWindow.SetInstance(window)
-    yield window
-    vtkOutputWindow.SetInstance(None)
 
 
 def polydata(points, **arrays):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
@@ -14,14 +13,6 @@ from tetraskel.kernels import curve
 from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_points
 from tetraskel.vtkfilters.curve_skeleton import skeleton_from
-
-
-@pytest.fixture(autouse=True)
-def messages():
-    window = vtkStringOutputWindow()
-    vtkOutputWindow.SetInstance(window)
-    yield window
-    vtkOutputWindow.SetInstance(None)
 
 
 def tube(n=4000):

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 from tetraskel import InputError, build_tree, gate_arrays, gate_tree, inside_by_outline, interior, submesh, triangulate
 from tetraskel.vtkfilters import DelaunayMesh, InteriorCells, TreeBuilder
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_cells, to_points
-
-
-@pytest.fixture(autouse=True)
-def messages():
-    window = vtkStringOutputWindow()
-    vtkOutputWindow.SetInstance(window)
-    yield window
-    vtkOutputWindow.SetInstance(None)
 
 
 def polydata(points):
