@@ -39,6 +39,11 @@ def environment(**more):
     return {**kept, "PYTHONPATH": str(SHIM), **more}
 
 
+def finished(command, folder, more):
+    """A program of ParaView, run to its end in a folder."""
+    return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env=environment(**more), cwd=folder)
+
+
 @pytest.fixture
 def pvpython(tmp_path):
     """Run a script in pvpython; gives its standard output and error."""
@@ -47,14 +52,7 @@ def pvpython(tmp_path):
     def run(script, *arguments, **more):
         file = tmp_path / "script.py"
         file.write_text(f"PLUGIN = {str(PLUGIN)!r}\nROOT = {str(ROOT)!r}\nfrom paraview.simple import *\n{script}")
-        return subprocess.run(
-            [executable, str(file), *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            timeout=SECONDS,
-            env=environment(**more),
-            cwd=tmp_path,
-        )
+        return finished([executable, str(file), *map(str, arguments)], tmp_path, more)
 
     return run
 
@@ -71,14 +69,8 @@ def paraview(tmp_path):
         if script:
             (tmp_path / "script.py").write_text(f"from paraview.simple import *\n{script}")
             extra = [f"--script={tmp_path / 'script.py'}"]
-        return subprocess.run(
-            [screen, "-a", "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
-            + [f"--test-directory={tmp_path}", f"--test-script={xml}", "--exit"],
-            capture_output=True,
-            text=True,
-            timeout=SECONDS,
-            env=environment(**more),
-            cwd=tmp_path,
-        )
+        command = [screen, "-a", "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
+        command += [f"--test-directory={tmp_path}", f"--test-script={xml}", "--exit"]
+        return finished(command, tmp_path, more)
 
     return run

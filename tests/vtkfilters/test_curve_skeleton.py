@@ -102,6 +102,16 @@ def test_a_mesh_is_found_inside_or_taken_as_labelled():
     assert array_of(data.GetFieldData(), "Loops")[0] == 0  # the hull of a torus has no hole
 
 
+def test_what_was_merged_is_told_whoever_triangulated():
+    doubled = np.concatenate([tube(), tube()[:25]])
+    mesh = DelaunayMesh()
+    mesh.SetInputDataObject(0, polydata(doubled))
+    for source in (polydata(doubled), mesh.run()):
+        facts = skeleton_step(source).run().GetFieldData()
+        assert array_of(facts, "DuplicatesMerged")[0] == 25
+        assert facts.GetAbstractArray("Engine").GetValue(0) == "qhull"
+
+
 def test_another_detail_is_drawn_from_the_same_model(monkeypatch):
     from tetraskel.vtkfilters import curve_skeleton as module
 

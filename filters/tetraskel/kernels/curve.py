@@ -305,20 +305,9 @@ def _flattened(place: ArrayLike, mesh: Triangulation) -> Floats:
     if given.shape not in {(mesh.points.shape[1],), (3,)}:
         raise InputError(f"expected a root as {mesh.points.shape[1]} coordinates, got shape {given.shape}.")
     given = given[: mesh.points.shape[1]]
-    if mesh.dim == mesh.points.shape[1]:
-        return given
-    frame = _plane_directions(mesh)
-    return mesh.coordinates[0] + (given - mesh.points[0]) @ frame.T
+    return given if mesh.plane is None else mesh.plane.project(given[None])[0]
 
 
 def lifted(positions: Floats, mesh: Triangulation) -> Floats:
     """Positions in the mesh's coordinates, in the space of its points."""
-    if mesh.dim == mesh.points.shape[1]:
-        return positions
-    return mesh.points[0] + (positions - mesh.coordinates[0]) @ _plane_directions(mesh)
-
-
-def _plane_directions(mesh: Triangulation) -> Floats:
-    """(2, 3) directions in space of the two coordinates of a planar mesh."""
-    away = mesh.coordinates - mesh.coordinates[0]
-    return np.linalg.lstsq(away, mesh.points - mesh.points[0], rcond=None)[0]
+    return positions if mesh.plane is None else mesh.plane.lift(positions)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.plane import plane_of_mesh
+from tetraskel.kernels.plane import Plane, plane_of_mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -55,12 +55,16 @@ class Triangulation:
         return max(len(self.point_map) - len(self.points), 0)
 
     @cached_property
+    def plane(self) -> Plane | None:
+        """The plane of triangles in space; None where the mesh fills its space."""
+        if self.dim == self.points.shape[1] or len(self) == 0:
+            return None
+        return plane_of_mesh(self.points[np.unique(self.simplices)])
+
+    @cached_property
     def coordinates(self) -> Floats:
         """(n, d) coordinates in which the mesh is full-dimensional: the points, or their plane coordinates."""
-        if self.dim == self.points.shape[1]:
-            return self.points
-        used = self.points[np.unique(self.simplices)]
-        return plane_of_mesh(used).project(self.points) if len(used) else self.points[:, : self.dim]
+        return self.points[:, : self.dim] if self.plane is None else self.plane.project(self.points)
 
     def __len__(self) -> int:
         return len(self.simplices)

@@ -192,7 +192,8 @@ def holds_simplices(data: vtkPointSet) -> bool:
     """Whether a data set is a mesh to be taken as it is: an unstructured grid with more than points and lines."""
     if not isinstance(data, vtkUnstructuredGrid):
         return False
-    kinds = [data.GetCellType(k) for k in range(data.GetNumberOfCells())]
+    n_looked_at = 1 if data.IsHomogeneous() else data.GetNumberOfCells()
+    kinds = [data.GetCellType(k) for k in range(min(n_looked_at, data.GetNumberOfCells()))]
     return any(data.GetCell(k).GetCellDimension() > 1 for k, _ in _first_of_each(kinds))
 
 

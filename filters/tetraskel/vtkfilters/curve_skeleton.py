@@ -56,8 +56,9 @@ class CurveSkeleton(SkeletonFilter):
         skeleton = draw_curve(self._model, detail=self.detail, root=root)
         fill_skeleton(outputs[0], skeleton)
         outputs[0].GetFieldData().PassData(source.GetFieldData())
-        mesh = self._model.inner.mesh
-        add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
+        if not holds_simplices(source):  # a mesh brings these facts from where it was made
+            mesh = self._model.inner.mesh
+            add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
         _fill_points(source, outputs[1], skeleton)
 
     def _compute(self, source):
