@@ -150,7 +150,8 @@ class InteriorOptions(Options):
     ratio: float = option(
         2.0,
         "How many times larger than its widest door a room must be to count as the other side of a surface. Hardly "
-        "matters where the sampling is denser than the object is thick; larger values demand a denser sampling.",
+        "matters where the sampling is denser than the object is thick; larger values demand a denser sampling. "
+        "Where no room is so large and the points lie on a surface, smaller ratios are tried.",
         unit="room radius / door width",
         bounds=(1.0, 100.0),
         when=("method", "gates"),

@@ -127,6 +127,15 @@ def estimated_noise(cloud: Cloud) -> float:
     return best[1] if best[0] < NO_SURFACE else 0.0
 
 
+def lies_on_surface(points: Floats) -> bool:
+    """Whether (n, d) points lie on a surface (3D) or a curve (2D), with or without noise; False for few points."""
+    cloud = Cloud(points[morton_order(points)])
+    if cloud.n < 4 * FEWEST:
+        return False
+    places = cloud.points[_evenly(cloud.n, SAMPLES)]
+    return _left_after_fits(cloud, places, FEWEST)[0] < NO_SURFACE
+
+
 def _evenly(n: int, some: int) -> Ints:
     """At most `some` of n indices, evenly apart."""
     return np.linspace(0, n - 1, min(some, n)).astype(np.int64)
