@@ -21,8 +21,8 @@ from tetraskel.kernels.triangulate import triangulate
 sys.path.append(str(Path(__file__).parents[1]))
 from tubes import TUBES, Tube, circle, cylinder, line
 
-DENSITIES = {"annulus": (1500, 2500, 4000), "helix": (8000, 10000, 12000), "tree": (6000, 9000, 12000)}
-DENSITIES["double torus"] = (6000, 8000, 10000)
+DENSITIES = dict.fromkeys(TUBES, (1000, 3000, 9000)) | {"helix": (2000, 5000, 12000), "tree": (1000, 4000, 12000)}
+NOISY = dict.fromkeys(TUBES, (6000, 11000)) | {"helix": (9000, 14000), "tree": (9000, 14000)}
 
 
 def topology(skeleton: Skeleton) -> tuple[float, float, float, float]:
@@ -45,7 +45,7 @@ def bones_apart(a: Skeleton, b: Skeleton) -> float:
 @pytest.mark.parametrize("name", sorted(TUBES))
 def test_tubes_have_their_axes(name: str, density: int) -> None:
     tube = TUBES[name]()
-    skeleton = curve_skeleton(tube.sample(DENSITIES.get(name, (4000, 6000, 9000))[density], seed=density))
+    skeleton = curve_skeleton(tube.sample(DENSITIES[name][density], seed=density))
     check_against_axis(skeleton, tube)
     assert radius_error(skeleton, tube) < 0.05
 
@@ -54,12 +54,11 @@ def test_tubes_have_their_axes(name: str, density: int) -> None:
 NOISY_RADIUS = {"tree": 0.07}
 
 
-@pytest.mark.parametrize("density", [0, 2] if numba_is_used() else [0])
+@pytest.mark.parametrize("density", [0, 1] if numba_is_used() else [0])
 @pytest.mark.parametrize("name", sorted(TUBES))
 def test_noisy_tubes_too(name: str, density: int) -> None:
     tube = TUBES[name]()
-    points = tube.sample(DENSITIES.get(name, (4000, 6000, 9000))[density] + 2000, seed=density, noise=0.005)
-    skeleton = curve_skeleton(points)
+    skeleton = curve_skeleton(tube.sample(NOISY[name][density], seed=density, noise=0.005))
     check_against_axis(skeleton, tube)
     assert radius_error(skeleton, tube) < NOISY_RADIUS.get(name, 0.05)
 
