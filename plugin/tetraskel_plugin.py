@@ -73,3 +73,10 @@ class FlatTetraRemoval(vtkfilters.FlatTetraRemoval):
 @smproperty.xml(panel_xml(vtkfilters.SkeletonOutput))
 class SkeletonOutput(vtkfilters.SkeletonOutput):
     """Tree to skeleton."""
+
+
+@smproxy.filter(name="SkeletonSurface", label=label("SkeletonSurface"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.SkeletonSurface))
+class SkeletonSurface(vtkfilters.SkeletonSurface):
+    """Skeleton with radii back to the surface of its object."""

@@ -13,6 +13,8 @@ from tetraskel.kernels.measures import measure
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
+from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
+from tetraskel.kernels.surface_error import surface_error
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.pipeline import tree_skeleton
@@ -27,6 +29,7 @@ __all__ = [
     "InputError",
     "InsideWarning",
     "MeshError",
+    "RebuiltSurface",
     "Skeleton",
     "TetraskelError",
     "Tree",
@@ -45,7 +48,9 @@ __all__ = [
     "interior",
     "measure",
     "remove_flat",
+    "skeleton_surface",
     "submesh",
+    "surface_error",
     "tree_skeleton",
     "triangulate",
     "triangulation_of",

@@ -16,10 +16,19 @@ from tetraskel.options import (
     FlatOptions,
     InteriorCellsOptions,
     SkeletonOptions,
+    SurfaceOptions,
     TreeOptions,
 )
 
-OPTIONS = (CurveOptions, DelaunayOptions, InteriorCellsOptions, TreeOptions, FlatOptions, SkeletonOptions)
+OPTIONS = (
+    CurveOptions,
+    DelaunayOptions,
+    InteriorCellsOptions,
+    TreeOptions,
+    FlatOptions,
+    SkeletonOptions,
+    SurfaceOptions,
+)
 CHAIN = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
 import sys
@@ -85,8 +94,9 @@ def test_plugin_is_found_through_a_link(pvpython, tmp_path):
 def test_defaults_are_those_of_the_options(pvpython):
     script = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
-for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput()):
-    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary"}):
+for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput(),
+              SkeletonSurface()):
+    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary", "Original"}):
         value = proxy.GetPropertyValue(name)
         print(name, str(value).strip("'").lower().replace(" ", ""))
 """

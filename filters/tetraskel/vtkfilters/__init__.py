@@ -6,6 +6,7 @@ from tetraskel.vtkfilters.delaunay_mesh import DelaunayMesh
 from tetraskel.vtkfilters.flat_tetra_removal import FlatTetraRemoval
 from tetraskel.vtkfilters.interior_cells import InteriorCells
 from tetraskel.vtkfilters.skeleton_output import SkeletonOutput
+from tetraskel.vtkfilters.skeleton_surface import SkeletonSurface
 from tetraskel.vtkfilters.tree_builder import TreeBuilder
 
 __all__ = [
@@ -15,5 +16,6 @@ __all__ = [
     "InteriorCells",
     "SkeletonFilter",
     "SkeletonOutput",
+    "SkeletonSurface",
     "TreeBuilder",
 ]
