@@ -80,3 +80,10 @@ class SkeletonOutput(vtkfilters.SkeletonOutput):
 @smproperty.xml(panel_xml(vtkfilters.SkeletonSurface))
 class SkeletonSurface(vtkfilters.SkeletonSurface):
     """Skeleton with radii back to the surface of its object."""
+
+
+@smproxy.filter(name="BezierSkeleton", label=label("BezierSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.BezierSkeleton))
+class BezierSkeleton(vtkfilters.BezierSkeleton):
+    """Skeleton with radii to smooth curves."""

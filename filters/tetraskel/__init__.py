@@ -2,6 +2,7 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.bezier_skeleton import BezierSkeleton, bezier_skeleton
 from tetraskel.kernels.binary import BinaryTree, binarize
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton
@@ -23,6 +24,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Aborted",
+    "BezierSkeleton",
     "BinaryTree",
     "CurveModel",
     "EngineError",
@@ -36,6 +38,7 @@ __all__ = [
     "TreeSkeleton",
     "Triangulation",
     "assemble_skeleton",
+    "bezier_skeleton",
     "binarize",
     "build_tree",
     "curve_model",

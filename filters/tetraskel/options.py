@@ -237,3 +237,17 @@ class SurfaceOptions(Options):
         choices=DIMENSIONS,
     )
     radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
+
+
+@dataclass(frozen=True)
+class BezierOptions(Options):
+    """Parameters of the smooth curves fitted to a skeleton."""
+
+    tolerance: float = option(
+        0.1,
+        "How far a curve may be from the points of its branch, in place and in radius. It stays inside the balls.",
+        unit="local radius",
+        bounds=(1e-6, 0.9),
+    )
+    samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000))
+    radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")

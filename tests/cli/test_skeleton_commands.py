@@ -7,7 +7,7 @@ import pytest
 import pyvista
 
 from paths import SAMPLES
-from tetraskel import skeleton_surface
+from tetraskel import bezier_skeleton, skeleton_surface
 from tetraskel.cli import main
 from tetraskel.cli.swc import read_swc
 from tetraskel.errors import InputError
@@ -121,3 +121,42 @@ def test_a_grid_is_no_skeleton(tmp_path, capsys):
     status, _, err = run(capsys, "surface", tmp_path / "in.vtu", tmp_path / "o.vtp")
     assert status == 2
     assert "expected a skeleton as polygonal data" in err
+
+
+def test_bezier_is_bezier_skeleton(tmp_path, capsys, branching):
+    out_file, pieces = tmp_path / "o.vtp", tmp_path / "o.vtu"
+    status, out, err = run(
+        capsys, "bezier", branching, out_file, "--samples", "4", "--pieces", pieces, "--png", tmp_path / "o.png"
+    )
+    expected = bezier_skeleton((POINTS, EDGES, RADIUS), samples=4)
+    written = pyvista.read(out_file)
+    assert (status, err) == (0, "")
+    assert f"{len(expected)} cubic pieces in 3 branches, {len(expected.skeleton)} points" in out
+    assert np.allclose(written.points, expected.skeleton.points)
+    assert np.allclose(written["Curvature"], expected.curvature)
+    cells = pyvista.read(pieces)
+    assert cells.celltypes.tolist() == [75] * len(expected)
+    assert np.allclose(cells.points.reshape(-1, 4, 3)[:, [0, 2, 3, 1]], expected.control)
+    assert (tmp_path / "o.png").exists()
+
+
+@pytest.mark.parametrize("suffix", [".swc", ".graphml", ".ply", ".csv", ".vtk"])
+def test_curves_are_written_as_skeletons(tmp_path, capsys, branching, suffix):
+    assert run(capsys, "bezier", branching, tmp_path / f"o{suffix}")[0] == 0
+    assert (tmp_path / f"o{suffix}").stat().st_size > 100
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["in.swc", "o.stl"], "expected an output file ending in .vtp"),
+        (["in.swc", "o.vtp", "--pieces", "o.vtp"], "ending in .vtu"),
+        (["in.swc", "o.vtp", "--tolerance", "2"], "tolerance must lie between"),
+        (["in.swc", "o.vtp"], "in.swc"),
+    ],
+)
+def test_bad_use_of_bezier_is_one_line(tmp_path, capsys, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, "bezier", *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err

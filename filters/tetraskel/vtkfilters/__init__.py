@@ -1,6 +1,7 @@
 """VTK filters that chain: usable in any VTK pipeline, in PyVista, and as the base of the ParaView plugin."""
 
 from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.bezier_skeleton import BezierSkeleton
 from tetraskel.vtkfilters.curve_skeleton import CurveSkeleton
 from tetraskel.vtkfilters.delaunay_mesh import DelaunayMesh
 from tetraskel.vtkfilters.flat_tetra_removal import FlatTetraRemoval
@@ -10,6 +11,7 @@ from tetraskel.vtkfilters.skeleton_surface import SkeletonSurface
 from tetraskel.vtkfilters.tree_builder import TreeBuilder
 
 __all__ = [
+    "BezierSkeleton",
     "CurveSkeleton",
     "DelaunayMesh",
     "FlatTetraRemoval",
