@@ -73,3 +73,17 @@ class FlatTetraRemoval(vtkfilters.FlatTetraRemoval):
 @smproperty.xml(panel_xml(vtkfilters.SkeletonOutput))
 class SkeletonOutput(vtkfilters.SkeletonOutput):
     """Tree to skeleton."""
+
+
+@smproxy.filter(name="SkeletonSurface", label=label("SkeletonSurface"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.SkeletonSurface))
+class SkeletonSurface(vtkfilters.SkeletonSurface):
+    """Skeleton with radii back to the surface of its object."""
+
+
+@smproxy.filter(name="BezierSkeleton", label=label("BezierSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.BezierSkeleton))
+class BezierSkeleton(vtkfilters.BezierSkeleton):
+    """Skeleton with radii to smooth curves."""

@@ -2,6 +2,7 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.bezier_skeleton import BezierSkeleton, bezier_skeleton
 from tetraskel.kernels.binary import BinaryTree, binarize
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton
@@ -14,6 +15,8 @@ from tetraskel.kernels.measures import measure
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
+from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
+from tetraskel.kernels.surface_error import surface_error
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.pipeline import tree_skeleton
@@ -22,6 +25,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Aborted",
+    "BezierSkeleton",
     "BinaryTree",
     "CurveModel",
     "Denoised",
@@ -29,12 +33,14 @@ __all__ = [
     "InputError",
     "InsideWarning",
     "MeshError",
+    "RebuiltSurface",
     "Skeleton",
     "TetraskelError",
     "Tree",
     "TreeSkeleton",
     "Triangulation",
     "assemble_skeleton",
+    "bezier_skeleton",
     "binarize",
     "build_tree",
     "curve_model",
@@ -48,7 +54,9 @@ __all__ = [
     "interior",
     "measure",
     "remove_flat",
+    "skeleton_surface",
     "submesh",
+    "surface_error",
     "tree_skeleton",
     "triangulate",
     "triangulation_of",

@@ -215,3 +215,50 @@ class CurveOptions(Options):
     root_point: tuple[float, ...] = option(
         (0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input", when=("root", "point")
     )
+
+
+DIMENSIONS = ("auto", "space", "plane")
+
+
+@dataclass(frozen=True)
+class SurfaceOptions(Options):
+    """Parameters of the surface rebuilt from a skeleton."""
+
+    spacing: float = option(
+        0.0,
+        "Side of the cells of the grid on which the surface is found. 0 chooses it from the radii.",
+        unit="length of the input",
+        bounds=(0.0, math.inf),
+    )
+    cells_per_radius: float = option(
+        5.0,
+        "How many cells go into a thin part's radius when the spacing is chosen: a tenth of the skeleton's length may "
+        "be thinner than that part.",
+        bounds=(0.5, 100.0),
+    )
+    max_cells: int = option(
+        1_000_000,
+        "About how many cells the surface may pass through when the spacing is chosen; time and memory grow with them.",
+        bounds=(1000, 100_000_000),
+    )
+    dimension: str = option(
+        "auto",
+        "What comes back: a closed surface (space), or the region of a plane, as its closed outline (plane). Auto goes "
+        "by the skeleton: by its number of coordinates, or by what the filter that made it says.",
+        choices=DIMENSIONS,
+    )
+    radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
+
+
+@dataclass(frozen=True)
+class BezierOptions(Options):
+    """Parameters of the smooth curves fitted to a skeleton."""
+
+    tolerance: float = option(
+        0.1,
+        "How far a curve may be from the points of its branch, in place and in radius. It stays inside the balls.",
+        unit="local radius",
+        bounds=(1e-6, 0.9),
+    )
+    samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000))
+    radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")

@@ -7,19 +7,40 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
-from tetraskel import assemble_skeleton, build_tree, curve_skeleton, interior, remove_flat, triangulate
+from tetraskel import (
+    assemble_skeleton,
+    bezier_skeleton,
+    build_tree,
+    curve_skeleton,
+    interior,
+    remove_flat,
+    skeleton_surface,
+    surface_error,
+    triangulate,
+)
 from tetraskel.kernels.centres import circumballs
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
+    BezierOptions,
     CurveOptions,
     DelaunayOptions,
     FlatOptions,
     InteriorCellsOptions,
     SkeletonOptions,
+    SurfaceOptions,
     TreeOptions,
 )
 
-OPTIONS = (CurveOptions, DelaunayOptions, InteriorCellsOptions, TreeOptions, FlatOptions, SkeletonOptions)
+OPTIONS = (
+    CurveOptions,
+    DelaunayOptions,
+    InteriorCellsOptions,
+    TreeOptions,
+    FlatOptions,
+    SkeletonOptions,
+    SurfaceOptions,
+    BezierOptions,
+)
 CHAIN = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
 import sys
@@ -85,8 +106,9 @@ def test_plugin_is_found_through_a_link(pvpython, tmp_path):
 def test_defaults_are_those_of_the_options(pvpython):
     script = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
-for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput()):
-    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary"}):
+for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput(),
+              SkeletonSurface(), BezierSkeleton()):
+    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary", "Original"}):
         value = proxy.GetPropertyValue(name)
         print(name, str(value).strip("'").lower().replace(" ", ""))
 """
@@ -181,7 +203,52 @@ print(curve.GetDataInformation().GetNumberOfPoints())
     assert int(done.stdout) == len(curve_skeleton(cloud, detail=1))
 
 
-KERNELS = ["branch_table", "centres", "decode", "flat", "outline", "predicates", "skeleton", "tree", "triangulate"]
+def test_curves_and_surface_of_a_skeleton_are_those_of_the_kernels(pvpython, tmp_path):
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+import numpy as np
+from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
+skeleton = XMLPolyDataReader(FileName="skeleton.vtp")
+curves = BezierSkeleton(Input=skeleton, Tolerance=0.05)
+surface = SkeletonSurface(Input=curves, Original=skeleton, CellsPerRadius=3)
+lines, pieces = (WrapDataObject(servermanager.Fetch(curves, idx=port)) for port in (0, 1))
+rebuilt = WrapDataObject(servermanager.Fetch(surface))
+np.savez("out.npz", points=lines.Points, curvature=lines.PointData["Curvature"], control=pieces.Points,
+         surface=rebuilt.Points, branch=rebuilt.PointData["BranchId"])
+print(rebuilt.FieldData["ErrorMean"][0])
+"""
+    axis = np.linspace(0, 3, 30)
+    points = np.stack([axis, np.sin(axis), 0.3 * axis**2], axis=1)
+    line = pyvista.PolyData(points, lines=[30, *range(30)])
+    line["MaximumInscribedSphereRadius"] = 0.3 + 0.05 * axis
+    line.save(tmp_path / "skeleton.vtp")
+    done = pvpython(script)
+    assert done.stderr == ""
+    out = np.load(tmp_path / "out.npz")
+    edges = np.stack([np.arange(29), np.arange(1, 30)], axis=1)
+    curves = bezier_skeleton((points, edges, 0.3 + 0.05 * axis), tolerance=0.05)
+    surface = skeleton_surface(curves.skeleton, cells_per_radius=3)
+    assert np.allclose(out["points"], curves.skeleton.points, atol=1e-6)
+    assert np.allclose(out["curvature"], curves.curvature, rtol=1e-4, atol=1e-6)
+    assert len(out["control"]) == 4 * len(curves)
+    assert out["surface"].shape == surface.points.shape
+    assert np.allclose(out["surface"], surface.points, atol=1e-5)
+    assert float(done.stdout) == pytest.approx(surface_error(surface, points)["ErrorMean"], rel=1e-4)
+
+
+KERNELS = [
+    "branch_table",
+    "centres",
+    "decode",
+    "flat",
+    "outline",
+    "predicates",
+    "skeleton",
+    "tree",
+    "triangulate",
+    "skeleton_surface",
+    "bezier_skeleton",
+]
 
 
 def test_kernels_and_filters_pass_their_tests_inside(pvpython, missing):

@@ -86,8 +86,8 @@ def _read_points(file: Path) -> vtkPolyData:
     return data
 
 
-def writer_for(path: str, source: str) -> Callable[[vtkPolyData], None]:
-    """What writes polygonal data to `path`; asked for before any work is done.
+def writer_for(path: str, source: str, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
+    """What writes polygonal data to `path`, with one of `writers` by suffix; asked for before any work is done.
 
     Raises
     ------
@@ -95,11 +95,12 @@ def writer_for(path: str, source: str) -> Callable[[vtkPolyData], None]:
         When the suffix is unknown, the file cannot be written, or is the `source` itself.
     """
     file = Path(path)
-    check_output(path, tuple(WRITERS))
+    writers = WRITERS if writers is None else writers
+    check_output(path, tuple(writers))
     if file.exists() and Path(source).exists() and file.samefile(source):
         raise InputError(f"expected an output beside the input, got {path!r} for both.")
 
-    return replace_to(path, WRITERS[file.suffix.lower()])
+    return replace_to(path, writers[file.suffix.lower()])
 
 
 def check_output(path: str, suffixes: tuple[str, ...]) -> None:
@@ -144,7 +145,8 @@ def _umask() -> int:
     return mask
 
 
-def _write_vtk(writer, data: vtkPolyData, path: Path) -> None:
+def write_vtk(writer, data: vtkPolyData, path: Path) -> None:
+    """Let one of VTK's writers write."""
     writer.SetInputData(data)
     writer.SetFileName(str(path))
     if writer.Write() != 1:
@@ -152,8 +154,8 @@ def _write_vtk(writer, data: vtkPolyData, path: Path) -> None:
 
 
 WRITERS = {
-    ".vtp": lambda data, path: _write_vtk(vtkXMLPolyDataWriter(), data, path),
-    ".vtk": lambda data, path: _write_vtk(vtkPolyDataWriter(), data, path),
+    ".vtp": lambda data, path: write_vtk(vtkXMLPolyDataWriter(), data, path),
+    ".vtk": lambda data, path: write_vtk(vtkPolyDataWriter(), data, path),
     ".csv": write_csv,
     ".swc": write_swc,
     ".graphml": write_graphml,

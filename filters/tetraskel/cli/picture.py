@@ -26,9 +26,11 @@ def draw(source: vtkPointSet, result: vtkPolyData, path: str) -> None:
         if result.GetNumberOfPoints():
             bar = {"color": "black", "fmt": "%.0f", "n_labels": 3, "vertical": True, "height": 0.5, "title": "Depth\n"}
             width = 6 if result.GetNumberOfPoints() < FEW else 2
-            plotter.add_mesh(
-                pyvista.wrap(result), scalars="Depth", cmap="viridis", line_width=width, scalar_bar_args=bar
-            )
+            if result.GetPointData().HasArray("Depth"):
+                style = {"scalars": "Depth", "cmap": "viridis", "scalar_bar_args": bar}
+            else:
+                style = {"color": "#e8c39e", "scalars": None, "opacity": 0.5}
+            plotter.add_mesh(pyvista.wrap(result), line_width=width, **style)
         if _is_flat(source):
             plotter.view_xy()
         else:

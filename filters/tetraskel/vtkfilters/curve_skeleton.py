@@ -56,6 +56,7 @@ class CurveSkeleton(SkeletonFilter):
         skeleton = draw_curve(self._model, detail=self.detail, root=root)
         fill_skeleton(outputs[0], skeleton)
         outputs[0].GetFieldData().PassData(source.GetFieldData())
+        add_facts(outputs[0], {"Dimension": self._model.inner.mesh.dim})
         if not holds_simplices(source):  # a mesh brings these facts from where it was made
             mesh = self._model.inner.mesh
             add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged, "Noise": mesh.noise})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields
 from xml.sax.saxutils import escape, quoteattr
 
@@ -85,4 +86,5 @@ def _domain(declared) -> str:
         return ""
     kind = "DoubleRangeDomain" if isinstance(declared.default, float) else "IntRangeDomain"
     low, high = metadata["bounds"]
-    return f'<{kind} name="range" min="{low}" max="{high}"/>'
+    upper = f' max="{high}"' if math.isfinite(high) else ""
+    return f'<{kind} name="range" min="{low}"{upper}/>'
