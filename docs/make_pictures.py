@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
+from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, FlatTetraRemoval, SkeletonOutput, TreeBuilder
 
 HERE = Path(__file__).resolve().parent
 SAMPLES = HERE.parent / "sample_data"
 INK, PAPER = "#30404f", "white"
+RADIUS = "MaximumInscribedSphereRadius"
 
 
 def table(name):
@@ -69,6 +70,34 @@ def box_figure():
     plotter.screenshot(HERE / "pictures" / "box.png")
 
 
+def plate_figure():
+    """The sheet of a plate among its random points, and with the sheets that run into its edges."""
+    plotter = pyvista.Plotter(off_screen=True, shape=(1, 2), window_size=(900, 330), border=False)
+    plotter.set_background(PAPER)
+    cloud = pyvista.PolyData(box_surface((4.0, 3.0, 0.5), 9000))
+    for column, angle in enumerate((120, 60)):
+        plotter.subplot(0, column)
+        curve = CurveSkeleton(sheets=True, sheet_angle=angle)
+        run(cloud, curve)
+        sheets = pyvista.wrap(curve.GetOutputDataObject(2))
+        plotter.add_mesh(cloud, color=INK, point_size=1.5, opacity=0.4)
+        plotter.add_mesh(sheets, scalars=RADIUS, cmap="viridis", clim=(0, 0.26), show_scalar_bar=False)
+        plotter.view_vector((1, -2, 1.2), viewup=(0, 0, 1))
+        plotter.camera.zoom(1.3)
+    plotter.screenshot(HERE / "pictures" / "sheets.png")
+
+
+def box_surface(sides, n):
+    """Random points of a box, uniform by area."""
+    rng = np.random.default_rng(0)
+    sides = np.asarray(sides)
+    areas = sides.prod() / sides
+    points, axis = rng.random((n, 3)) * sides, rng.choice(3, n, p=areas / areas.sum())
+    points[np.arange(n), axis] = rng.integers(0, 2, n) * sides[axis]
+    return points + rng.normal(0, 1e-4, (n, 3))  # Qhull is slow on points exactly in one plane
+
+
 if __name__ == "__main__":
     paper_figure()
     box_figure()
+    plate_figure()

@@ -10,6 +10,7 @@ from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.measures import measure
+from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
@@ -26,6 +27,7 @@ __all__ = [
     "EngineError",
     "InputError",
     "InsideWarning",
+    "MedialMesh",
     "MeshError",
     "Skeleton",
     "TetraskelError",
@@ -44,6 +46,7 @@ __all__ = [
     "inside_by_outline",
     "interior",
     "measure",
+    "medial_mesh",
     "remove_flat",
     "submesh",
     "tree_skeleton",

@@ -7,7 +7,16 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
-from tetraskel import assemble_skeleton, build_tree, curve_skeleton, interior, remove_flat, triangulate
+from tetraskel import (
+    assemble_skeleton,
+    build_tree,
+    curve_model,
+    curve_skeleton,
+    interior,
+    medial_mesh,
+    remove_flat,
+    triangulate,
+)
 from tetraskel.kernels.centres import circumballs
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
@@ -179,6 +188,34 @@ print(curve.GetDataInformation().GetNumberOfPoints())
     assert np.allclose(out["points"], skeleton.points, atol=1e-9)
     assert np.allclose(out["radius"], skeleton.radius, atol=1e-9)
     assert int(done.stdout) == len(curve_skeleton(cloud, detail=1))
+
+
+def test_the_sheets_are_a_third_output_by_name(pvpython, tmp_path):
+    rng = np.random.default_rng(0)
+    ways = rng.normal(size=(1500, 3))
+    lens = ways / np.linalg.norm(ways, axis=1, keepdims=True) * [1, 1, 0.4]
+    pyvista.PolyData(lens).save(tmp_path / "lens.vtp")
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+import numpy as np
+from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
+curve = CurveSkeleton(Input=XMLPolyDataReader(FileName="lens.vtp"))
+curve.UpdatePipeline()
+print(servermanager.Fetch(curve, idx=2).GetNumberOfPoints())
+curve.Sheets = 1
+curve.UpdatePipeline()
+sheets = WrapDataObject(servermanager.Fetch(OutputPort(curve, "Sheets"), idx=2))
+np.savez("out.npz", points=sheets.Points, radius=sheets.PointData["MaximumInscribedSphereRadius"],
+         angle=sheets.CellData["ObjectAngle"])
+print([curve.SMProxy.GetOutputPortName(k) for k in range(curve.SMProxy.GetNumberOfOutputPorts())])
+"""
+    done = pvpython(script)
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == ["0", "['Skeleton', 'Points', 'Sheets']"]
+    out, expected = np.load(tmp_path / "out.npz"), medial_mesh(curve_model(triangulate(lens)))
+    assert np.allclose(out["points"], expected.points, atol=1e-9)
+    assert np.allclose(out["radius"], expected.radius, atol=1e-9)
+    assert np.allclose(out["angle"], expected.angle, atol=1e-6)
 
 
 KERNELS = ["branch_table", "centres", "decode", "flat", "outline", "predicates", "skeleton", "tree", "triangulate"]

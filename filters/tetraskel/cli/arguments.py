@@ -9,11 +9,15 @@ from tetraskel.options import Options
 
 
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:
-    """One `--name` for every option, with its default, unit and meaning."""
+    """One `--name` for every option, with its default, unit and meaning; none for those a command asks otherwise."""
     for options in option_sets:
         group = parser.add_argument_group(options.__doc__.rstrip("."))
-        for declared in fields(options):
+        for declared in _asked(options):
             _add_option(group, declared)
+
+
+def _asked(options: type[Options]) -> list:
+    return [declared for declared in fields(options) if declared.metadata["flag"] is not None]
 
 
 def _add_option(group, declared) -> None:
@@ -38,6 +42,6 @@ def _name(declared) -> str:
 
 def values(chosen: argparse.Namespace, options: type[Options]) -> dict:
     """The values of one option set among the parsed arguments, checked."""
-    picked = {declared.name: getattr(chosen, _name(declared)) for declared in fields(options)}
+    picked = {declared.name: getattr(chosen, _name(declared)) for declared in _asked(options)}
     options(**picked)
     return picked
