@@ -158,12 +158,18 @@ def test_measure_prints_a_table_and_json(tmp_path, capsys):
         (["skeleton", "in.csv", "o.vtp", "--edges", "e.txt"], "expected an output file ending in .csv"),
         (["skeleton", "in.csv", "o.vtp", "--detail", "2"], "detail must lie between 0 and 1; got 2"),
         (["measure", "in.csv", "in.csv"], "expected lines with the point array MaximumInscribedSphereRadius"),
-        (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none"),
+        (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none in 50 points"),
+        (["skeleton", "three.csv", "o.vtp"], "expected an object with an inside, got none in 3 points"),
+        (["skeleton", "four.csv", "o.vtp"], "expected an object with an inside, got none in 4 points"),
+        (["skeleton", "flat.csv", "o.vtp"], "expected an object with an inside, got none in 50 points"),
     ],
 )
 def test_bad_use_is_one_line(tmp_path, capsys, monkeypatch, arguments, message):
     monkeypatch.chdir(tmp_path)
-    np.savetxt("in.csv", np.random.default_rng(0).random((50, 3)), delimiter=",")
+    cloud = np.random.default_rng(0).random((50, 3))
+    flat = cloud * [1, 1, 0]
+    for name, points in {"in": cloud, "flat": flat, "three": np.eye(3), "four": np.eye(4)[:, :3]}.items():
+        np.savetxt(f"{name}.csv", points, delimiter=",")
     assert main(arguments) == 2
     told = capsys.readouterr().err.splitlines()
     assert message in told[-1]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
-from tetraskel import InputError, curve_model, curve_skeleton, measure, medial_mesh, triangulate
+from tetraskel import Aborted, InputError, curve_model, curve_skeleton, measure, medial_mesh, triangulate
 from tetraskel.kernels import curve
-from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
+from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells, base
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_points
 from tetraskel.vtkfilters.curve_skeleton import skeleton_from
 
@@ -189,6 +191,28 @@ def test_another_detail_finds_no_sheets_again(monkeypatch):
     assert len(made) == 1
 
 
+@pytest.mark.parametrize("stage", ["Triangulating", "Drawing the skeleton together", "Finding the sheets"])
+def test_a_stop_is_honoured_within_a_second(monkeypatch, stage):
+    """In each stage, as the button of ParaView does it."""
+    monkeypatch.setattr(base, "PROGRESS_SECONDS", 0.0)
+    step = skeleton_step(polydata(slab(4000)), sheets=True)
+    asked = []
+
+    def ask(*_):
+        if step.GetProgressText() == stage and not asked:
+            step.SetAbortExecute(1)
+            asked.append(time.monotonic())
+
+    step.AddObserver("ProgressEvent", ask)
+    with pytest.raises(Aborted):
+        step.run()
+    assert time.monotonic() - asked[0] < 1
+    assert all(step.GetOutputDataObject(port).GetNumberOfPoints() == 0 for port in range(3))
+    step.SetAbortExecute(0)
+    step.Modified()
+    assert step.run().GetNumberOfPoints() > 0
+
+
 def test_surfaces_keep_their_cells_on_the_second_output():
     source = vtkSphereSource()
     source.SetThetaResolution(20)
@@ -214,6 +238,9 @@ def test_a_skeleton_read_back_measures_the_same():
     [
         (np.random.default_rng(1).random((300, 3)), "expected an object with an inside, got none"),
         ([[0, 0, 0], [1, 0, 0]], "expected at least 3 distinct points"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "expected an object with an inside, got none in 3 points"),
+        (np.eye(4)[:, :3], "expected an object with an inside, got none in 4 points"),
+        ([[0, 0, 0], [1, 1, 1], [2, 2, 2], [3, 3, 3]], "on one line"),
         ([[0, 0, 0], [1, np.nan, 0]], "with NaN"),
     ],
 )

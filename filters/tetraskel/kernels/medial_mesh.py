@@ -97,13 +97,14 @@ def medial_mesh(model: CurveModel, *, sheet_angle: float = CurveOptions.sheet_an
     inner, nodes = model.inner, model.nodes
     if inner.simplices.shape[1] < 4 or len(inner.simplices) == 0:
         return _no_sheets(inner.mesh.points.shape[1])
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), lambda share: tick(0.8 * share))
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), lambda share: tick(0.5 * share))
     across = inner.coordinates[cells.ridge_points[:, 1]] - inner.coordinates[cells.ridge_points[:, 0]]
     angle = _object_angles(cells, nodes, across)
-    tick(0.9)
-    sheet = _fans(cells, nodes, np.flatnonzero(angle >= sheet_angle), across, angle)
+    tick(0.6)
+    sheet = _fans(cells, nodes, np.flatnonzero(angle >= sheet_angle), across, angle, tick)
+    tick(0.8)
     if sheet_angle > 0:
-        sheet = _without_crumbs(sheet)
+        sheet = _without_crumbs(sheet, tick)
     tick(1.0)
     return sheet
 
@@ -126,24 +127,39 @@ def _object_angles(cells: DualComplex, nodes: MedialNodes, across: Floats) -> Fl
     return np.where(whole, 2 * np.degrees(np.arcsin(np.minimum(half / radius, 1))), np.nan)
 
 
-def _fans(cells: DualComplex, nodes: MedialNodes, faces: Ints, across: Floats, angle: Floats) -> MedialMesh:
+def _fans(cells: DualComplex, nodes: MedialNodes, faces: Ints, across: Floats, angle: Floats, tick: Tick) -> MedialMesh:
     """Triangles from each edge of the faces to the face's centre."""
     sizes = np.diff(cells.ring_start)[faces]
     fan = np.repeat(np.arange(len(faces)), sizes)
     row = np.arange(len(fan)) + np.repeat(cells.ring_start[:-1][faces] - (np.cumsum(sizes) - sizes), sizes)
     sides = cells.facets[cells.ring_facets[row]]
-    used, corner = np.unique(sides, return_inverse=True)
     # simplices on one sphere share their centre, and a side between two of them has no length
-    positions, first, same = np.unique(nodes.positions[used], axis=0, return_index=True, return_inverse=True)
-    sides = same.ravel()[corner.reshape(-1, 2)]
-    radii = nodes.radii[used[first]]
+    positions, radii, number = _distinct(nodes, sides)
+    tick(0.65)
+    sides = number[sides]
     long = sides[:, 0] != sides[:, 1]
     fan, sides = fan[long], sides[long]
     centres = _means(positions[sides].mean(axis=1), fan, len(faces))
+    tick(0.7)
     centre_radii = _means(radii[sides].mean(axis=1)[:, None], fan, len(faces))[:, 0]
     points = np.concatenate([positions, centres])
+    tick(0.75)
     triangles = _turned(points, np.column_stack([sides, len(positions) + fan]), across[faces[fan]])
     return MedialMesh(points, triangles, np.concatenate([radii, centre_radii]), angle[faces[fan]])
+
+
+def _distinct(nodes: MedialNodes, wanted: Ints) -> tuple[Floats, Floats, Ints]:
+    """Positions of the wanted nodes, ascending and each once, their radii, and which of them each node has."""
+    is_wanted = np.zeros(len(nodes.positions), bool)
+    is_wanted[wanted] = True
+    used = np.flatnonzero(is_wanted)
+    used = used[np.lexsort(nodes.positions[used].T[::-1])]
+    positions = nodes.positions[used]
+    is_new = np.ones(len(used), bool)
+    is_new[1:] = (positions[1:] != positions[:-1]).any(axis=1)
+    number = np.full(len(nodes.positions), -1)
+    number[used] = np.cumsum(is_new) - 1
+    return positions[is_new], nodes.radii[used[is_new]], number
 
 
 def _means(values: Floats, group: Ints, n: int) -> Floats:
@@ -163,15 +179,20 @@ def _turned(points: Floats, triangles: Ints, across: Floats) -> Ints:
     return turned
 
 
-def _without_crumbs(sheet: MedialMesh) -> MedialMesh:
+def _without_crumbs(sheet: MedialMesh, tick: Tick) -> MedialMesh:
     """The pieces, joined across sides of faces, that are at least as large as their widest ball's great disc."""
-    piece = label_pieces(_triangles_before(sheet.triangles))
+    before = _triangles_before(sheet.triangles)
+    tick(0.85)
+    piece = label_pieces(before)
+    tick(0.95)
     n = int(piece.max(initial=-1)) + 1
     area, radius = np.bincount(piece, sheet.areas, minlength=n), np.zeros(n)
     np.maximum.at(radius, piece, sheet.radius[sheet.triangles].max(axis=1))
     kept = (area >= np.pi * radius**2)[piece]
-    used, corner = np.unique(sheet.triangles[kept], return_inverse=True)
-    return MedialMesh(sheet.points[used], corner.reshape(-1, 3), sheet.radius[used], sheet.angle[kept])
+    is_used = np.zeros(len(sheet.points), bool)
+    is_used[sheet.triangles[kept]] = True
+    number = np.cumsum(is_used) - 1
+    return MedialMesh(sheet.points[is_used], number[sheet.triangles[kept]], sheet.radius[is_used], sheet.angle[kept])
 
 
 def _triangles_before(triangles: Ints) -> Ints:
@@ -180,7 +201,8 @@ def _triangles_before(triangles: Ints) -> Ints:
     same_fan = np.flatnonzero(triangles[1:, 2] == triangles[:-1, 2]) + 1
     before[same_fan, 0] = same_fan - 1
     low, high = np.sort(triangles[:, :2], axis=1).astype(np.int64).T
-    order = np.lexsort([high, low])
-    same_side = np.flatnonzero((np.diff(low[order]) == 0) & (np.diff(high[order]) == 0))
+    sides = low << 32 | high
+    order = np.argsort(sides, kind="stable")
+    same_side = np.flatnonzero(np.diff(sides[order]) == 0)
     before[order[same_side + 1], 1] = order[same_side]
     return before
