@@ -12,6 +12,7 @@ from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.measures import measure
+from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
@@ -32,6 +33,7 @@ __all__ = [
     "EngineError",
     "InputError",
     "InsideWarning",
+    "MedialMesh",
     "MeshError",
     "RebuiltSurface",
     "Skeleton",
@@ -53,6 +55,7 @@ __all__ = [
     "inside_by_outline",
     "interior",
     "measure",
+    "medial_mesh",
     "remove_flat",
     "skeleton_surface",
     "submesh",

@@ -24,12 +24,12 @@ def option(
     bounds: tuple[float, float] | None = None,
     choices: tuple[str, ...] = (),
     when: tuple[str, str] | None = None,
-    flag: str = "",
+    flag: str | None = "",
 ) -> Any:
     """A dataclass field that carries what the faces need to show it.
 
     `when` names another option and the word of it for which this one matters (a panel hides it otherwise); `flag` is
-    its name on the command line where that is not its own.
+    its name on the command line where that is not its own, None where a command asks in another way.
     """
     metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "when": when, "flag": flag}
     return field(default=default, metadata=metadata)
@@ -214,6 +214,21 @@ class CurveOptions(Options):
     )
     root_point: tuple[float, ...] = option(
         (0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input", when=("root", "point")
+    )
+    sheets: bool = option(
+        False,
+        "Give the medial sheets too, as triangles with radii on the third output: they lie midway between facing sides "
+        "of the object, and describe plates, which no curve does.",
+        flag=None,
+    )
+    sheet_angle: float = option(
+        120.0,
+        "Least angle between the nearest points of the surface as seen from a sheet. 180 keeps what lies between "
+        "parallel sides only; below 90 come the sheets that run into right-angled edges, then faces between "
+        "neighbouring samples; 0 keeps every face.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+        when=("sheets", "1"),
     )
 
 

@@ -11,8 +11,10 @@ from tetraskel import (
     assemble_skeleton,
     bezier_skeleton,
     build_tree,
+    curve_model,
     curve_skeleton,
     interior,
+    medial_mesh,
     remove_flat,
     skeleton_surface,
     surface_error,
@@ -234,6 +236,34 @@ print(rebuilt.FieldData["ErrorMean"][0])
     assert out["surface"].shape == surface.points.shape
     assert np.allclose(out["surface"], surface.points, atol=1e-5)
     assert float(done.stdout) == pytest.approx(surface_error(surface, points)["ErrorMean"], rel=1e-4)
+
+
+def test_the_sheets_are_a_third_output_by_name(pvpython, tmp_path):
+    rng = np.random.default_rng(0)
+    ways = rng.normal(size=(1500, 3))
+    lens = ways / np.linalg.norm(ways, axis=1, keepdims=True) * [1, 1, 0.4]
+    pyvista.PolyData(lens).save(tmp_path / "lens.vtp")
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+import numpy as np
+from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
+curve = CurveSkeleton(Input=XMLPolyDataReader(FileName="lens.vtp"))
+curve.UpdatePipeline()
+print(servermanager.Fetch(curve, idx=2).GetNumberOfPoints())
+curve.Sheets = 1
+curve.UpdatePipeline()
+sheets = WrapDataObject(servermanager.Fetch(OutputPort(curve, "Sheets"), idx=2))
+np.savez("out.npz", points=sheets.Points, radius=sheets.PointData["MaximumInscribedSphereRadius"],
+         angle=sheets.CellData["ObjectAngle"])
+print([curve.SMProxy.GetOutputPortName(k) for k in range(curve.SMProxy.GetNumberOfOutputPorts())])
+"""
+    done = pvpython(script)
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == ["0", "['Skeleton', 'Points', 'Sheets']"]
+    out, expected = np.load(tmp_path / "out.npz"), medial_mesh(curve_model(triangulate(lens)))
+    assert np.allclose(out["points"], expected.points, atol=1e-9)
+    assert np.allclose(out["radius"], expected.radius, atol=1e-9)
+    assert np.allclose(out["angle"], expected.angle, atol=1e-6)
 
 
 KERNELS = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -94,13 +94,10 @@ def writer_for(path: str, source: str, writers: dict | None = None) -> Callable[
     InputError
         When the suffix is unknown, the file cannot be written, or is the `source` itself.
     """
-    file = Path(path)
     writers = WRITERS if writers is None else writers
     check_output(path, tuple(writers))
-    if file.exists() and Path(source).exists() and file.samefile(source):
-        raise InputError(f"expected an output beside the input, got {path!r} for both.")
-
-    return replace_to(path, writers[file.suffix.lower()])
+    check_apart([path], [source])
+    return replace_to(path, writers[Path(path).suffix.lower()])
 
 
 def check_output(path: str, suffixes: tuple[str, ...]) -> None:
@@ -114,6 +111,20 @@ def check_output(path: str, suffixes: tuple[str, ...]) -> None:
         raise InputError(f"expected a file to write, got {path!r}, which is a folder.")
     if not os.access(file if file.exists() else file.resolve().parent, os.W_OK):
         raise InputError(f"expected a place to write to, got {path!r}, which is read-only.")
+
+
+def check_apart(outputs: Sequence[str], inputs: Sequence[str]) -> None:
+    """Raise `InputError` when an output would be written over an input, or two outputs into one file."""
+    for k, path in enumerate(outputs):
+        if any(_is_same(path, other) for other in inputs):
+            raise InputError(f"expected an output beside the input, got {path!r} for both.")
+        if any(_is_same(path, other) for other in outputs[:k]):
+            raise InputError(f"expected a file for each output, got {path!r} for two.")
+
+
+def _is_same(first: str, second: str) -> bool:
+    a, b = Path(first), Path(second)
+    return a.resolve() == b.resolve() or (a.exists() and b.exists() and a.samefile(b))
 
 
 def replace_file(file: Path, write: Callable[[Path], None]) -> None:
@@ -161,3 +172,8 @@ WRITERS = {
     ".graphml": write_graphml,
     ".ply": write_ply,
 }
+
+
+def write_by_suffix(data: vtkPolyData, path: Path) -> None:
+    """Write to a path with one of the suffixes of `WRITERS`."""
+    WRITERS[path.suffix.lower()](data, path)
