@@ -136,10 +136,16 @@ def test_permuted_points_give_exactly_the_same_skeleton(name: str, n: int) -> No
     assert np.array_equal(first.point_nodes[order], second.point_nodes)
 
 
-@pytest.mark.parametrize("n", [2000, 4000, 8000] if FAST else [2000])
-def test_flat_ended_cylinder_at_densities(n: int) -> None:
+RIM = pytest.mark.xfail(strict=True, reason="a third end: a line runs from the axis into the rim of one lid")
+CYLINDERS = [(2000, 2000), pytest.param(2000, 0, marks=RIM)]
+if FAST:
+    CYLINDERS += [(4000, 4000), pytest.param(4000, 11, marks=RIM), (8000, 8000)]
+
+
+@pytest.mark.parametrize(("n", "seed"), CYLINDERS)
+def test_flat_ended_cylinder_at_densities(n: int, seed: int) -> None:
     """Radius 0.5, length 4: the medial axis but for the cones at its ends is the axis from 0.5 to 3.5."""
-    skeleton = curve_skeleton(cylinder(n, seed=n))
+    skeleton = curve_skeleton(cylinder(n, seed))
     assert topology(skeleton) == (1, 0, 2, 0)
     places, weights = samples_along(skeleton, 400)
     straight = (places[:, 0] > 0.5) & (places[:, 0] < 3.5)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.curve import CurveModel
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex
 from tetraskel.kernels.medial_nodes import MedialNodes
@@ -144,7 +144,8 @@ def _fans(cells: DualComplex, nodes: MedialNodes, faces: Ints, across: Floats, a
     centre_radii = _means(radii[sides].mean(axis=1)[:, None], fan, len(faces))[:, 0]
     points = np.concatenate([positions, centres])
     tick(0.75)
-    triangles = _turned(points, np.column_stack([sides, len(positions) + fan]), across[faces[fan]])
+    triangles = np.column_stack([sides, len(positions) + fan])
+    triangles = _turned(points, triangles, across[faces[fan]], lambda share: tick(0.75 + 0.05 * share))
     return MedialMesh(points, triangles, np.concatenate([radii, centre_radii]), angle[faces[fan]])
 
 
@@ -168,14 +169,18 @@ def _means(values: Floats, group: Ints, n: int) -> Floats:
     return np.stack([np.bincount(group, column, minlength=n) / count for column in values.T], axis=1)
 
 
-def _turned(points: Floats, triangles: Ints, across: Floats) -> Ints:
+def _turned(points: Floats, triangles: Ints, across: Floats, tick: Tick) -> Ints:
     """Triangles whose normals point along `across`, taken in the sense that makes its largest component positive."""
-    rows = np.arange(len(across))
-    across = across * np.sign(across[rows, np.abs(across).argmax(axis=1)])[:, None]
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    wrong = (np.cross(b - a, c - a) * across).sum(axis=1) < 0
     turned = triangles.copy()
-    turned[wrong, :2] = turned[wrong, 1::-1]
+
+    def work(piece: slice) -> None:
+        ways = across[piece]
+        sense = np.sign(ways[np.arange(len(ways)), np.abs(ways).argmax(axis=1)])
+        a, b, c = points[triangles[piece]].transpose(1, 0, 2)
+        wrong = (np.cross(b - a, c - a) * ways).sum(axis=1) * sense < 0
+        turned[piece][wrong, :2] = triangles[piece][wrong, 1::-1]
+
+    for_chunks(work, len(triangles), tick)
     return turned
 
 
