@@ -29,7 +29,7 @@ JOIN, JOIN_END = 0.5, 0.75
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
 TIP = (0.5, 0.2)
-LONGER = 0.5  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
+LONGER = 0.45  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
 # The farthest tip may be a spur on the way to a farther end: one that pokes out of that way's balls by less than this
 # share of its nearest gives way to that end.
 SPUR = 0.5
@@ -196,7 +196,8 @@ def _grow(
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
     limit, ends = np.inf, list[int]()
-    joints = start.tolist() if len(start) == 1 else []  # ends of lines, which others go on from
+    root = start[:1].tolist() if len(start) == 1 else []  # an end, too, until a second limb goes on from it
+    joints = root.copy()  # ends of lines, which others go on from
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
@@ -212,7 +213,9 @@ def _grow(
             continue
         fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
         worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
-        if path[-1] in ends:
+        if found and path[-1] in root and excess > balls.radii[root[0]]:
+            root = []
+        if path[-1] in ends or (found and path[-1] in root):
             worth *= LONGER
         ends.append(int(path[0]))
         joints.append(int(path[0]))
