@@ -30,9 +30,9 @@ JOIN, JOIN_END = 0.5, 0.75
 # where the path goes straight on, to the tip of a slender limb.
 TIP = (0.5, 0.2)
 LONGER = 0.45  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
-# The farthest tip may be a spur on the way to a farther end: one that pokes out of that way's balls by less than this
-# share of its nearest gives way to that end.
-SPUR = 0.5
+# The farthest tip may be a spur on the way to an end far beyond, as seen along the way (in radii where the spur leaves
+# it): one that pokes out of the balls on that way by less than this share of the nearest gives way to that end.
+SPUR, BEYOND = 0.5, 8.0
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
@@ -253,6 +253,9 @@ def _no_spur(tree: tuple[Ints, Ints], exposure: Exposure, best: int) -> int:
         way = [int(tip[base])]
         while way[-1] != base:
             way.append(int(parent[way[-1]]))
+        steps = np.diff(balls.positions[way], axis=0)
+        if np.sqrt((steps**2).sum(axis=1)).sum() < BEYOND * balls.radii[base]:
+            return best
         away = np.sqrt(((balls.positions[way] - balls.positions[spur]) ** 2).sum(axis=1)) - balls.radii[way]
         nearest = int(away.argmin())
         if away[nearest] + balls.radii[spur] > SPUR * balls.radii[way[nearest]]:
