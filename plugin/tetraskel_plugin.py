@@ -73,3 +73,10 @@ class FlatTetraRemoval(vtkfilters.FlatTetraRemoval):
 @smproperty.xml(panel_xml(vtkfilters.SkeletonOutput))
 class SkeletonOutput(vtkfilters.SkeletonOutput):
     """Tree to skeleton."""
+
+
+@smproxy.filter(name="VoronoiSkeleton", label=label("VoronoiSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.VoronoiSkeleton))
+class VoronoiSkeleton(vtkfilters.VoronoiSkeleton):
+    """Points, or a mesh with its inside, to a Voronoi skeleton."""

@@ -15,6 +15,7 @@ from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
+from tetraskel.kernels.voronoi_skeleton import VoronoiSkeleton, voronoi_skeleton
 from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"
@@ -32,6 +33,7 @@ __all__ = [
     "Tree",
     "TreeSkeleton",
     "Triangulation",
+    "VoronoiSkeleton",
     "assemble_skeleton",
     "binarize",
     "build_tree",
@@ -49,4 +51,5 @@ __all__ = [
     "tree_skeleton",
     "triangulate",
     "triangulation_of",
+    "voronoi_skeleton",
 ]

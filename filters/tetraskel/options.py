@@ -204,3 +204,33 @@ class CurveOptions(Options):
     root_point: tuple[float, ...] = option(
         (0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input", when=("root", "point")
     )
+
+
+VORONOI_METHODS = ("sk1", "sk2", "sk3", "sk4")
+
+
+@dataclass(frozen=True)
+class VoronoiOptions(Options):
+    """Parameters of the Voronoi skeletons."""
+
+    method: str = option(
+        "sk4",
+        "Which skeleton: sk1 (Voronoi vertices inside the object), sk2 (all points of Voronoi edges, in space of "
+        "faces, inside: they are cut at the boundary), sk3 (Voronoi vertices, edges and faces wholly inside), or sk4 "
+        "(the duals of Delaunay cells inside and of their common facets and edges).",
+        choices=VORONOI_METHODS,
+    )
+    least_separation: float = option(
+        0.0,
+        "Elements whose two farthest nearest points are closer together than this are left out: branches and sheets "
+        "that run between neighbouring samples of one side (the lambda of the lambda-medial axis). 0 keeps all.",
+        unit="fraction of the bounding-box diagonal",
+        bounds=(0.0, 1.0),
+    )
+    least_angle: float = option(
+        0.0,
+        "Elements from whose widest place their two farthest nearest points are seen at a smaller angle are left out "
+        "(the separation angle, twice the bisector angle). 0 keeps all; 60 keeps what lies between two sides.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+    )

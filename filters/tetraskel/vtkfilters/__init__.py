@@ -7,6 +7,7 @@ from tetraskel.vtkfilters.flat_tetra_removal import FlatTetraRemoval
 from tetraskel.vtkfilters.interior_cells import InteriorCells
 from tetraskel.vtkfilters.skeleton_output import SkeletonOutput
 from tetraskel.vtkfilters.tree_builder import TreeBuilder
+from tetraskel.vtkfilters.voronoi_skeleton import VoronoiSkeleton
 
 __all__ = [
     "CurveSkeleton",
@@ -16,4 +17,5 @@ __all__ = [
     "SkeletonFilter",
     "SkeletonOutput",
     "TreeBuilder",
+    "VoronoiSkeleton",
 ]
