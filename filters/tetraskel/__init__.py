@@ -12,6 +12,8 @@ from tetraskel.kernels.interior import interior
 from tetraskel.kernels.measures import measure
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
+from tetraskel.kernels.raster_mask import Mask, rasterise
+from tetraskel.kernels.raster_skeleton import RasterSkeleton, morphological_reversal, raster_skeleton
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
@@ -27,7 +29,9 @@ __all__ = [
     "EngineError",
     "InputError",
     "InsideWarning",
+    "Mask",
     "MeshError",
+    "RasterSkeleton",
     "Skeleton",
     "TetraskelError",
     "Tree",
@@ -46,6 +50,9 @@ __all__ = [
     "inside_by_outline",
     "interior",
     "measure",
+    "morphological_reversal",
+    "raster_skeleton",
+    "rasterise",
     "remove_flat",
     "submesh",
     "tree_skeleton",

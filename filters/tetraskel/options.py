@@ -234,3 +234,51 @@ class VoronoiOptions(Options):
         unit="degrees",
         bounds=(0.0, 180.0),
     )
+
+
+RASTER_METHODS = ("morphological", "thinning", "distance")
+ELEMENTS = ("box", "cross")
+
+
+@dataclass(frozen=True)
+class RasterOptions(Options):
+    """Parameters of the skeletons of masks."""
+
+    method: str = option(
+        "morphological",
+        "Which skeleton: morphological (Lantuejoul's, from which dilations give back the mask exactly), thinning "
+        "(simple points are removed until lines are left; needs scikit-image), or distance (the ridge of the map of "
+        "distances to the outside).",
+        choices=RASTER_METHODS,
+    )
+    element: str = option(
+        "box",
+        "What the mask is eroded with: box (a point and all its neighbours, 3 by 3 by 3) or cross (its neighbours "
+        "across faces only).",
+        choices=ELEMENTS,
+        when=("method", "morphological"),
+    )
+    ridge_slope: float = option(
+        0.75,
+        "A point is on the ridge when the distance grows by less than this, per length, towards each of its "
+        "neighbours. Up a flank it grows by 1, along a ridge between two parallel sides by 0; smaller values keep "
+        "less.",
+        unit="slope",
+        bounds=(0.0, 1.0),
+        when=("method", "distance"),
+    )
+
+
+@dataclass(frozen=True)
+class RasterInputOptions(RasterOptions):
+    """Parameters of the skeletons of masks, with what the mask is made from."""
+
+    mask_array: str = option(
+        "", "Point array of an image that is not 0 inside; without a name the image's active scalars."
+    )
+    resolution: int = option(
+        128,
+        "For points and meshes, which are made into a mask first: grid points along the longest side of the box.",
+        unit="grid points",
+        bounds=(2, 2048),
+    )

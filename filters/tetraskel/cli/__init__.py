@@ -8,10 +8,17 @@ import sys
 from collections.abc import Sequence
 
 from tetraskel import __version__
-from tetraskel.cli import measure, plugin_path, skeleton, tree, voronoi
+from tetraskel.cli import measure, plugin_path, raster, skeleton, tree, voronoi
 from tetraskel.errors import TetraskelError
 
-COMMANDS = {"tree": tree, "skeleton": skeleton, "measure": measure, "plugin-path": plugin_path, "voronoi": voronoi}
+COMMANDS = {
+    "tree": tree,
+    "skeleton": skeleton,
+    "measure": measure,
+    "plugin-path": plugin_path,
+    "voronoi": voronoi,
+    "raster": raster,
+}
 BAD_USAGE, INTERRUPTED = 2, 130
 
 
