@@ -102,6 +102,9 @@ def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, F
         v of the wall, left and right.
     """
     starts, lines = slab_lines(walls, n_polygons)
+    if len(lines) == 0:  # polygons without any width
+        none = np.empty(0, np.int64)
+        return none, np.empty((0, 2)), none, np.empty((0, 2))
     width = lines[np.maximum(starts[1:] - 1, 0)] - lines[np.minimum(starts[:-1], len(lines) - 1)]
     near = THIN * width[walls.polygon]
     # the last line at or before the left end, and before the right end: lines of one polygon lie in one range

@@ -5,7 +5,7 @@ Edges of cells without an end are cut off beyond the mesh, where nothing of an o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,7 +40,7 @@ class VoronoiDiagram:
     radii : (m,) float
         Circumradii: distance to the nearest generators.
     signs : (m,) int
-        1 where the corners are positively oriented, else -1.
+        1 where the corners are positively oriented, -1 where negatively, 0 where they are flat.
     centred : (m,) bool
         The simplex contains its circumcentre.
     ends : (f, 2) int
@@ -122,7 +122,7 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
     beyond = neighbors[cells, opposite].astype(np.int64)
     hull = np.flatnonzero(beyond < 0)
     beyond[hull] = len(mesh) + np.arange(len(hull))
-    far = _ray_ends(coordinates, simplices, centres, cells[hull], opposite[hull])
+    far = _ray_ends(coordinates, simplices, centres, signs, cells[hull], opposite[hull])
     return VoronoiDiagram(
         coordinates,
         simplices,
@@ -137,6 +137,24 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
     )
 
 
+def without_flat_rim(diagram: VoronoiDiagram) -> VoronoiDiagram:
+    """The same diagram of the object without flat simplices on its boundary.
+
+    They hold nothing, and the boundary behind them has the same place; but only of a solid simplex can it be said on
+    which side of a facet it lies.
+    """
+    inside = diagram.inside.copy()
+    flat = np.flatnonzero(diagram.inside & (diagram.signs == 0))
+    while len(flat):
+        labels = np.append(inside, False)
+        rim = ~labels[diagram.neighbors[flat]].all(axis=1)
+        if not rim.any():
+            break
+        inside[flat[rim]] = False
+        flat = flat[~rim]
+    return replace(diagram, inside=inside)
+
+
 def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) -> tuple[Floats, Floats, Ints, Bools]:
     """Circumcentres, radii, orientations and who contains its centre; flat simplices have that of a neighbour."""
     m, dim = len(simplices), coordinates.shape[1]
@@ -149,7 +167,7 @@ def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) ->
         sides = corners[:, 1:] - corners[:, :1]
         spread = np.einsum("aik,aik->k", sides, sides)
         flat[piece] = np.abs(volume) <= FLAT * spread ** (0.5 * dim)
-        signs[piece] = np.where(volume < 0, -1, 1)
+        signs[piece] = np.where(flat[piece], 0, np.where(volume < 0, -1, 1))
         offset /= np.where(volume == 0, 1.0, 2 * volume)
         centres[piece] = np.where(volume == 0, corners.mean(axis=1), corners[:, 0] + offset).T
         radii[piece] = np.sqrt(np.einsum("ak,ak->k", offset, offset))
@@ -163,12 +181,17 @@ def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) ->
     return centres, radii, signs, centred
 
 
-def _ray_ends(coordinates: Floats, simplices: Ints, centres: Floats, cells: Ints, opposite: Ints) -> Floats:
+def _ray_ends(
+    coordinates: Floats, simplices: Ints, centres: Floats, signs: Ints, cells: Ints, opposite: Ints
+) -> Floats:
     """(h, d) far points on the rays that leave the mesh through its hull facets."""
     normals = outward_normals(coordinates, simplices, cells, opposite)
     if len(cells) == 0:
         return normals
     middle = (coordinates.max(axis=0) + coordinates.min(axis=0)) / 2
+    rows = np.flatnonzero(signs[cells] == 0)  # a flat simplex does not tell in from out, the middle of the mesh does
+    backwards = ((coordinates[simplices[cells[rows]]].mean(axis=1) - middle) * normals[rows]).sum(axis=1)
+    normals[rows[backwards < 0]] *= -1
     size = np.sqrt((np.ptp(coordinates, axis=0) ** 2).sum())
     away = np.sqrt(((centres[cells] - middle) ** 2).sum(axis=1)) + FAR * size
     return centres[cells] + normals * away[:, None]

@@ -117,7 +117,62 @@ def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Voron
     angle = np.mod(angle - zero[face], 2 * np.pi)
     angle[open_at] = 0.0
     order = np.lexsort([angle, face])
-    return VoronoiFaces(faces.keys[chosen], starts, cells[order], behind[order], ahead[order], faces.closed[chosen])
+    sorted_ = VoronoiFaces(faces.keys[chosen], starts, cells[order], behind[order], ahead[order], faces.closed[chosen])
+    return _relinked(diagram, sorted_, np.flatnonzero(_broken(diagram, sorted_)))
+
+
+def _broken(diagram: VoronoiDiagram, faces: VoronoiFaces) -> Bools:
+    """(q,) faces whose ring does not go from neighbour to neighbour: angles of flat tetrahedra are rounding."""
+    after = np.arange(1, len(faces.cells) + 1)
+    last = faces.starts[1:] - 1
+    after[last] = faces.starts[:-1]
+    beyond, before = diagram.neighbors.ravel()[faces.ahead], diagram.neighbors.ravel()[faces.behind]
+    linked = (beyond == faces.cells[after]) & (before[after] == faces.cells)
+    ends = last[~faces.closed]
+    linked[ends] = (beyond[ends] < 0) & (before[after[ends]] < 0)
+    return ~faces.all_of(linked)
+
+
+def _relinked(diagram: VoronoiDiagram, faces: VoronoiFaces, broken: Ints) -> VoronoiFaces:
+    """The faces with the rings of `broken` ones followed from neighbour to neighbour, all at once."""
+    if len(broken) == 0:
+        return faces
+    rows, starts = faces.rows(broken)
+    face = np.repeat(np.arange(len(broken)), np.diff(starts))
+    sides = np.stack([faces.ahead[rows], faces.behind[rows]], axis=1)
+    beside = _rows_of(diagram.neighbors.ravel()[sides], faces.cells[rows], face, len(diagram.simplices))
+    first = starts[:-1].copy()
+    at_gap = np.flatnonzero((beside < 0).any(axis=1))
+    first[face[at_gap]] = at_gap
+    order, by_second = np.empty(len(rows), np.int64), np.zeros(len(rows), bool)
+    here, came, counts = first, np.full(len(broken), -1), np.diff(starts)
+    for step in range(int(counts.max())):
+        walking = np.flatnonzero(counts > step)
+        now = here[walking]
+        back = (beside[now, 0] == came[walking]) if step else beside[now, 0] < 0
+        order[starts[walking] + step], by_second[starts[walking] + step] = now, back
+        came[walking], here[walking] = now, beside[now, back.astype(np.int64)]
+        here[walking] = np.where(here[walking] < 0, now, here[walking])
+    solid = diagram.signs[faces.cells[rows[order]]] != 0
+    backwards = np.bincount(face, np.where(solid, np.where(by_second, 1, -1), 0), minlength=len(broken)) > 0
+    turned = backwards[face]
+    place = np.where(turned, starts[face] + starts[face + 1] - 1 - np.arange(len(rows)), np.arange(len(rows)))
+    order, by_second = order[place], by_second[place] ^ turned
+    cells, behind, ahead = faces.cells.copy(), faces.behind.copy(), faces.ahead.copy()
+    cells[rows] = faces.cells[rows[order]]
+    ahead[rows] = sides[order, by_second.astype(np.int64)]
+    behind[rows] = sides[order, 1 - by_second.astype(np.int64)]
+    return VoronoiFaces(faces.keys, faces.starts, cells, behind, ahead, faces.closed)
+
+
+def _rows_of(wanted: Ints, cells: Ints, face: Ints, n_cells: int) -> Ints:
+    """(k, 2) rows of the wanted cells (k, 2) in the ring of each row's face, -1 where they are not in it."""
+    keys = face * np.int64(n_cells) + cells
+    by_key = np.argsort(keys)
+    asked = face[:, None] * np.int64(n_cells) + wanted
+    place = np.minimum(np.searchsorted(keys[by_key], asked), len(keys) - 1)
+    found = by_key[place]
+    return np.where((keys[found] == asked) & (wanted >= 0), found, -1)
 
 
 def frames(axes: Floats) -> tuple[Floats, Floats, Floats]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.medial_nodes import walk_to
+from tetraskel.kernels.medial_nodes import barycentric_coordinates, walk_to
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 
@@ -21,6 +21,8 @@ Bools = NDArray[np.bool_]
 # An edge that meets the boundary within this share of its length from an end does so at that end: the end lies on the
 # boundary up to rounding.
 AT_END = 1e-9
+# Barycentric coordinates down to this below 0 still count as inside the simplex a walk ended in.
+ABOUT = 1e-6
 
 
 def vertices_inside(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
@@ -103,7 +105,11 @@ def _ask_the_rest(diagram: VoronoiDiagram, piece: Ints, votes: Ints) -> None:
 def locate(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Bools:
     """(k,) whether places lie in the object, by a walk to each from a simplex."""
     homes = walk_to(diagram.coordinates, diagram.simplices, diagram.neighbors, start, spots)
-    return np.asarray((homes >= 0) & np.append(diagram.inside, False)[homes])
+    found = (homes >= 0) & np.append(diagram.inside, False)[homes]
+    rows = np.flatnonzero(found)  # a walk that circles among flat simplices ends anywhere
+    weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[homes[rows]], spots[rows])
+    found[rows] = weights.min(axis=1) >= -ABOUT
+    return found
 
 
 def touching(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:

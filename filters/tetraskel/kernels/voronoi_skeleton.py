@@ -20,7 +20,7 @@ from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
-from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram
+from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, without_flat_rim
 from tetraskel.kernels.voronoi_faces import VoronoiFaces, ordered, voronoi_faces
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, pieces_of_edges, vertices_inside
 from tetraskel.options import VoronoiOptions
@@ -135,6 +135,7 @@ def voronoi_skeleton(
             f"expected an object with an inside, got none of {len(mesh)} cells inside; label some, or take all."
         )
     diagram = voronoi_diagram(mesh, labels, tick)
+    diagram = diagram if method == "sk4" else without_flat_rim(diagram)
     tick(0.3)
     elements = METHODS[method](diagram, tick)
     elements = _merged(elements, SAME * diagram.size) if method != "sk4" else elements
