@@ -233,15 +233,19 @@ def _thinned(inside: Bools) -> Bools:
 
 
 def _ridge(distance: Floats, spacing: Floats, slope: float, tick: Tick) -> Bools:
-    """Points from which the distance grows towards no neighbour as it does up a flank."""
+    """Points from which the distance grows towards no neighbour as it does up a flank.
+
+    The corners of the stairs that a grid makes of a slanted border are none: points of the rim beside deeper ones.
+    """
     padded = np.pad(distance, 1)
-    ridge = distance > 0
+    ridge, on_rim = distance > 0, distance <= spacing.max()
     offsets = [offset for offset in product((-1, 0, 1), repeat=distance.ndim) if any(offset)]
     for k, offset in enumerate(offsets):
         tick(0.3 + 0.5 * k / len(offsets))
         length = float(np.sqrt(((np.array(offset) * spacing) ** 2).sum()))
         window = tuple(slice(1 + o, 1 + o + n) for o, n in zip(offset, distance.shape, strict=True))
-        ridge &= padded[window] - distance < slope * length
+        growth = padded[window] - distance
+        ridge &= (growth < slope * length) & ~(on_rim & (growth > 0))
     return np.asarray(ridge)
 
 

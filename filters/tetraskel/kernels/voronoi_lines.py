@@ -73,7 +73,10 @@ def unique_edges(simplices: Ints) -> Ints:
     width = simplices.shape[1]
     pairs = [(i, j) for i in range(width) for j in range(i)]
     keys = np.concatenate([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j in pairs])
-    return np.unique(keys)
+    keys.sort()  # several times faster than np.unique, which hashes
+    first = np.ones(len(keys), bool)
+    first[1:] = keys[1:] != keys[:-1]
+    return keys[first]
 
 
 def edge_keys_of(first: Ints, second: Ints) -> NDArray[np.int64]:
