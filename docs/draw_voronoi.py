@@ -61,14 +61,18 @@ def branches(tree):
     return [tree.branch_nodes[a:b] for a, b in bounds]
 
 
-def draw_sheets(plotter, points, skeleton, title):
-    """A skeleton in space among its points."""
+def draw_sheets(plotter, points, skeleton, title, outlined):
+    """A skeleton in space among its points; slivers are seen by their outlines."""
     plotter.add_points(points, color=INK, point_size=2)
     rings = np.split(skeleton.connectivity, skeleton.offsets[1:-1])
     faces = np.concatenate([[len(ring), *ring] for ring in rings]) if skeleton.n_polygons else None
     sheets = pyvista.PolyData(skeleton.points, faces=faces)
     sheets["Radius"] = skeleton.radius
     plotter.add_mesh(sheets, scalars="Radius", cmap="viridis", show_scalar_bar=False, point_size=3)
+    if outlined:
+        plotter.add_mesh(
+            sheets.extract_all_edges(), scalars="Radius", cmap="viridis", show_scalar_bar=False, line_width=3
+        )
     plotter.add_text(title, font_size=14, color="black", position="upper_edge")
     plotter.view_vector((1, -2, 1.4), viewup=(0, 0, 1))
     plotter.camera.zoom(1.4)
@@ -86,7 +90,7 @@ def torus_figure():
         plotter.subplot(k // 2, k % 2)
         skeleton = voronoi_skeleton(mesh, inside=inside, method=method, least_angle=angle)
         title = TITLES[method] + (f", angle at least {angle:g} degrees" if angle else "")
-        draw_sheets(plotter, points, skeleton, title)
+        draw_sheets(plotter, points, skeleton, title, angle > 0)
     plotter.screenshot(HERE / "pictures" / "voronoi_torus.png")
 
 

@@ -12,7 +12,7 @@ from shapes import FLATS, SOLIDS
 from tetraskel import InputError, Triangulation, VoronoiSkeleton, interior, triangulate, voronoi_skeleton
 from tetraskel.kernels.voronoi_crossings import find_crossings
 from tetraskel.kernels.voronoi_diagram import voronoi_diagram
-from tetraskel.kernels.voronoi_sides import locate, vertices_inside
+from tetraskel.kernels.voronoi_sides import locate, plain_edges, vertices_inside
 from voronoi_reference import half_spaces, line_lengths, measure_of_sk2, polygon_areas
 
 METHODS = ("sk1", "sk2", "sk3", "sk4")
@@ -119,6 +119,21 @@ def test_sk1_of_a_lattice_is_the_middles_of_its_cells() -> None:
     mesh = triangulate(np.array(list(product(range(4), repeat=3)), float))
     centres = voronoi_skeleton(mesh, method="sk1")
     assert np.allclose(rows(centres.points), rows(np.array(list(product((0.5, 1.5, 2.5), repeat=3)))))
+
+
+def test_sk2_of_a_lattice_is_the_planes_between_its_points() -> None:
+    mesh = triangulate(np.array(list(product(range(4), repeat=3)), float))
+    sheets = voronoi_skeleton(mesh, method="sk2")
+    assert polygon_areas(sheets).sum() == pytest.approx(3 * 3 * 9)  # three planes each way of 3 by 3
+
+
+def test_in_general_position_all_crossings_are_known() -> None:
+    """Then no walk is needed, and each crossing is there once: entering and leaving by turns."""
+    mesh, inside = labelled(SOLIDS["torus"](), 2000)
+    diagram = voronoi_diagram(mesh, inside)
+    crossings = find_crossings(diagram)
+    assert crossings.sure.all()
+    assert plain_edges(diagram, crossings, vertices_inside(diagram, crossings)).all()
 
 
 def labelled(shape, n: int) -> tuple[Triangulation, np.ndarray]:

@@ -31,6 +31,10 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 
+# Crossings of one edge closer than this share of the bounding-box diagonal are one.
+SAME = 1e-9
+
+
 class _Met(NamedTuple):
     """Places where d cells meet on the boundary, the boundary's normal there, and whether it is within a facet."""
 
@@ -112,34 +116,26 @@ def _corners(simplices: Ints, cells: Ints, opposite: Ints) -> Ints:
 
 def _on_edges(neighbours: Neighbours, keys: Ints, tick: Tick) -> tuple[Ints, Ints, Floats]:
     """Edges of the boundary, between which cells each passes (their key), and where, as a share of its length."""
-    ends = np.stack(split_keys(keys), axis=1)
-    lines, cells = np.repeat(np.arange(len(keys)), 2), ends.ravel()
-    seen = np.empty(0, np.uint64)
+    start, stop = split_keys(keys)
+    lines, cells = np.arange(len(keys)), start
     found: list[tuple[Ints, Ints, Floats]] = []
     x = neighbours.coordinates
-    while len(lines):
+    while len(lines):  # along a line each cell has its turn once, so no walk comes back
         tick(0.1)
-        start, stop = x[ends[lines, 0]], x[ends[lines, 1]]
-        spans = np.tile([0.0, 1.0], (len(lines), 1))
-        got = nearest_on_lines(neighbours, cells, np.full(len(cells), -1), start, stop - start, spans)
-        seen = np.concatenate([seen, _job_keys(lines, cells)])
-        real = _ends_of(got, got.high > got.low)
-        found += [(lines[rows], edge_keys_of(cells[rows], others), places) for rows, others, places in real]
-        further = _ends_of(got, _met(got, spans))
-        ahead = np.concatenate([lines[rows] for rows, _, _ in further])
-        beyond = np.concatenate([others for _, others, _ in further])
-        new = _not_yet(_job_keys(ahead, beyond), seen)
-        lines, cells = ahead[new], beyond[new]
+        origins, spans = x[start[lines]], np.tile([0.0, 1.0], (len(lines), 1))
+        none = np.full(len(lines), -1)
+        got = nearest_on_lines(neighbours, cells, none, origins, x[stop[lines]] - origins, spans)
+        on = np.flatnonzero(got.after >= 0)
+        lines, before, cells = lines[on], cells[on], got.after[on]
+        found.append((lines, edge_keys_of(before, cells), got.high[on]))
     if not found:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
     line, pair, place = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.lexsort([place, pair, line])
-    line, pair, place = line[order], pair[order], place[order]
-    once = np.flatnonzero((np.diff(line, prepend=-1) != 0) | (np.diff(pair, prepend=-1) != 0))
-    return line[once], pair[once], place[once]
+    return line[order], pair[order], place[order]
 
 
-def _met(got: Intervals, spans: Floats) -> Bools:
+def _holds_a_place(got: Intervals, spans: Floats) -> Bools:
     """Intervals that hold a place, up to rounding.
 
     Where more cells meet in one place than three, some have nothing of a line but that place: the search goes on from
@@ -163,14 +159,11 @@ def _job_keys(first: Ints, second: Ints) -> NDArray[np.uint64]:
 
 
 def _not_yet(keys: NDArray[np.uint64], seen: NDArray[np.uint64]) -> Ints:
-    """Rows whose key was not seen before, one for each key."""
+    """Rows whose key is not among the ascending ones seen before, one for each key."""
     once, first = np.unique(keys, return_index=True)
-    ranked = np.sort(seen)  # np.isin would hash, which is slower
-    place = np.searchsorted(ranked, once)
-    known = np.zeros(len(once), bool)
-    within = place < len(ranked)
-    known[within] = ranked[place[within]] == once[within]
-    return np.asarray(first[~known])
+    if len(seen) == 0:
+        return np.asarray(first)
+    return np.asarray(first[seen[np.minimum(np.searchsorted(seen, once), len(seen) - 1)] != once])
 
 
 def _on_triangles(
@@ -191,7 +184,8 @@ def _on_triangles(
         low, high = split_keys(pairs)
         origins, ways, spans = _common_lines(diagram.coordinates, facets[triangles], outward[triangles], low, high)
         got = nearest_on_lines(neighbours, low, high, origins, ways, spans)
-        seen = np.concatenate([seen, _job_keys(triangles, pairs)])
+        jobs = np.sort(_job_keys(triangles, pairs))
+        seen = np.insert(seen, np.searchsorted(seen, jobs), jobs)
         there = got.high > got.low
         places = np.where(there[:, None], np.stack([got.low, got.high], axis=1), 0.0)
         ends = origins[:, None] + places[:, :, None] * ways[:, None]
@@ -201,7 +195,7 @@ def _on_triangles(
             place, (least, most) = (got.low, got.high)[side][rows], spans[rows].T
             sure = np.minimum(place - least, most - place) > ON_BORDER * (most - least)
             corners.append(_Met(triples, ends[rows, side], outward[triangles[rows]], sure))
-        further = _ends_of(got, _met(got, spans))
+        further = _ends_of(got, _holds_a_place(got, spans))
         ahead = [(triangles[rows], one[rows], others) for rows, others, _ in further for one in (low, high)]
         triangle, one, other = (np.concatenate(column) for column in zip(*ahead, strict=True))
         neighbours.prepare(other)
@@ -269,13 +263,21 @@ def _sorted(diagram: VoronoiDiagram, met: _Met, faces: Ints, segments: Floats, o
     places = ((positions - start) * way).sum(axis=1) / np.where(length == 0, 1.0, length)
     entering = (way * normals).sum(axis=1) < 0
     order = np.lexsort([entering, places, edges])
+    edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
+    entering, sure = entering[order], sure[order]
+    # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
+    away = np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=1)) > SAME * diagram.size
+    first = np.ones(len(edges), bool)
+    first[1:] = (edges[1:] != edges[:-1]) | (entering[1:] != entering[:-1]) | away
+    once = np.flatnonzero(first)
+    sure = np.logical_or.reduceat(sure, once) if len(once) else sure
     by_face = np.argsort(faces, kind="stable")
     return Crossings(
-        edges[order],
-        np.clip(places[order], 0.0, 1.0),
-        positions[order],
-        entering[order],
-        sure[order],
+        edges[once],
+        places[once],
+        positions[once],
+        entering[once],
+        sure,
         faces[by_face],
         segments[by_face],
         outward[by_face],

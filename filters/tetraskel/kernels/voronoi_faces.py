@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.chunks import for_chunks
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import edge_keys_of, split_keys
 
@@ -102,13 +103,28 @@ def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Voron
 
     A tetrahedron's place is the angle at which its facet `behind` stands around the Delaunay edge.
     """
+    starts = np.concatenate([[0], np.cumsum(faces.counts[chosen])])
+    order = np.empty(starts[-1], np.int64)
+
+    def work(piece: slice) -> None:
+        order[starts[piece.start] : starts[piece.stop]] = _by_angle(diagram, faces, chosen[piece])
+
+    for_chunks(work, len(chosen))
+    sorted_ = VoronoiFaces(
+        faces.keys[chosen], starts, faces.cells[order], faces.behind[order], faces.ahead[order], faces.closed[chosen]
+    )
+    return _relinked(diagram, sorted_, np.flatnonzero(_broken(diagram, sorted_)))
+
+
+def _by_angle(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Ints:
+    """Rows of the rings of some faces, counter-clockwise."""
     rows, starts = faces.rows(chosen)
     face = np.repeat(np.arange(len(chosen)), np.diff(starts))
-    cells, behind, ahead = faces.cells[rows], faces.behind[rows], faces.ahead[rows]
-    low, high = faces.generators[chosen].T
+    behind = faces.behind[rows]
+    low, high = split_keys(faces.keys[chosen])
     x = diagram.coordinates
     first_way, second_way, _ = frames(x[high] - x[low])
-    third = diagram.simplices.ravel()[ahead]  # behind lies the facet with the vertex opposite to the one ahead
+    third = diagram.simplices.ravel()[faces.ahead[rows]]  # the facet behind holds the vertex opposite to the one ahead
     way = x[third] - x[low][face]
     angle = np.arctan2((way * second_way[face]).sum(axis=1), (way * first_way[face]).sum(axis=1))
     open_at = np.flatnonzero(diagram.neighbors.ravel()[behind] < 0)
@@ -116,9 +132,7 @@ def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Voron
     zero[face[open_at]] = angle[open_at]
     angle = np.mod(angle - zero[face], 2 * np.pi)
     angle[open_at] = 0.0
-    order = np.lexsort([angle, face])
-    sorted_ = VoronoiFaces(faces.keys[chosen], starts, cells[order], behind[order], ahead[order], faces.closed[chosen])
-    return _relinked(diagram, sorted_, np.flatnonzero(_broken(diagram, sorted_)))
+    return np.asarray(rows[np.argsort(8.0 * face + angle)])  # one key, several times faster to sort by than two
 
 
 def _broken(diagram: VoronoiDiagram, faces: VoronoiFaces) -> Bools:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.curve import lifted
 from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
@@ -22,6 +23,7 @@ from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, without_flat_rim
 from tetraskel.kernels.voronoi_faces import VoronoiFaces, ordered, voronoi_faces
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, pieces_of_edges, vertices_inside
 from tetraskel.options import VoronoiOptions
 
@@ -174,8 +176,8 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> _Elements:
     whole = edges_wholly_inside(diagram, crossings, inside)
     everywhere = voronoi_faces(diagram, np.arange(len(diagram.simplices)))
     is_whole = everywhere.closed & everywhere.all_of(whole[diagram.edge_of_half[everywhere.ahead]])
-    is_whole &= ~np.isin(everywhere.keys, crossings.faces)
-    some = everywhere.any_of(inside[everywhere.cells]) | np.isin(everywhere.keys, crossings.faces)
+    is_whole &= ~found_in(everywhere.keys, crossings.faces)
+    some = everywhere.any_of(inside[everywhere.cells]) | found_in(everywhere.keys, crossings.faces)
     tick(0.7)
     faces = ordered(diagram, everywhere, np.flatnonzero(is_whole))
     cut = ordered(diagram, everywhere, np.flatnonzero(some & ~is_whole))
@@ -193,7 +195,7 @@ def _whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> Vorono
     flags = whole[diagram.edge_of_half].reshape(-1, 4)
     faces = voronoi_faces(diagram, np.flatnonzero(flags.any(axis=1)))
     chosen = faces.closed & faces.all_of(flags.ravel()[faces.ahead])
-    chosen &= ~np.isin(faces.keys, crossed)
+    chosen &= ~found_in(faces.keys, crossed)
     return ordered(diagram, faces, np.flatnonzero(chosen))
 
 
@@ -218,12 +220,16 @@ def _of_cells(diagram: VoronoiDiagram, cells: Ints, edges: Ints, faces: VoronoiF
 
 def _longest(x: Floats, simplices: Ints) -> Floats:
     """(k,) longest edge of simplices."""
-    square = np.zeros(len(simplices))
-    for i in range(simplices.shape[1]):
-        for j in range(i):
-            difference = x[simplices[:, i]] - x[simplices[:, j]]
-            np.maximum(square, np.einsum("ka,ka->k", difference, difference), out=square)
-    return np.sqrt(square)
+    found = np.empty(len(simplices))
+
+    def work(piece: slice) -> None:
+        corners = x[simplices[piece].T]  # (corner, k, axis)
+        pairs = combinations(range(simplices.shape[1]), 2)
+        squares = [np.einsum("ka,ka->k", way, way) for way in (corners[i] - corners[j] for i, j in pairs)]
+        found[piece] = np.sqrt(np.max(squares, axis=0))
+
+    for_chunks(work, len(simplices))
+    return found
 
 
 def _with_pieces(diagram: VoronoiDiagram, whole: _Elements, crossings: Crossings, inside: Bools) -> _Elements:
@@ -372,13 +378,8 @@ def _bounding(lines: Ints, offsets: Ints, corners: Ints) -> Bools:
     used[corners] = True
     both = used[lines].all(axis=1)
     result = np.zeros(len(lines), bool)
-    result[both] = np.isin(_pair_keys(lines[both]), _pair_keys(sides))
+    result[both] = found_in(edge_keys_of(*lines[both].T), edge_keys_of(*sides.T))
     return result
-
-
-def _pair_keys(pairs: Ints) -> NDArray[np.int64]:
-    low, high = pairs.min(axis=1).astype(np.int64), pairs.max(axis=1).astype(np.int64)
-    return (low << 32) | high
 
 
 def _lifted(skeleton: VoronoiSkeleton, mesh: Triangulation) -> VoronoiSkeleton:
