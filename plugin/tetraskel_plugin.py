@@ -87,3 +87,17 @@ class SkeletonSurface(vtkfilters.SkeletonSurface):
 @smproperty.xml(panel_xml(vtkfilters.BezierSkeleton))
 class BezierSkeleton(vtkfilters.BezierSkeleton):
     """Skeleton with radii to smooth curves."""
+
+
+@smproxy.filter(name="VoronoiSkeleton", label=label("VoronoiSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.VoronoiSkeleton))
+class VoronoiSkeleton(vtkfilters.VoronoiSkeleton):
+    """Points, or a mesh with its inside, to a Voronoi skeleton."""
+
+
+@smproxy.filter(name="RasterSkeleton", label=label("RasterSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.RasterSkeleton))
+class RasterSkeleton(vtkfilters.RasterSkeleton):
+    """A mask, or what is made into one, to its skeleton."""

@@ -15,11 +15,14 @@ from tetraskel.kernels.measures import measure
 from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
+from tetraskel.kernels.raster_mask import Mask, rasterise
+from tetraskel.kernels.raster_skeleton import RasterSkeleton, morphological_reversal, raster_skeleton
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
 from tetraskel.kernels.surface_error import surface_error
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
+from tetraskel.kernels.voronoi_skeleton import VoronoiSkeleton, voronoi_skeleton
 from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"
@@ -33,14 +36,17 @@ __all__ = [
     "EngineError",
     "InputError",
     "InsideWarning",
+    "Mask",
     "MedialMesh",
     "MeshError",
+    "RasterSkeleton",
     "RebuiltSurface",
     "Skeleton",
     "TetraskelError",
     "Tree",
     "TreeSkeleton",
     "Triangulation",
+    "VoronoiSkeleton",
     "assemble_skeleton",
     "bezier_skeleton",
     "binarize",
@@ -56,6 +62,9 @@ __all__ = [
     "interior",
     "measure",
     "medial_mesh",
+    "morphological_reversal",
+    "raster_skeleton",
+    "rasterise",
     "remove_flat",
     "skeleton_surface",
     "submesh",
@@ -63,4 +72,5 @@ __all__ = [
     "tree_skeleton",
     "triangulate",
     "triangulation_of",
+    "voronoi_skeleton",
 ]

@@ -277,3 +277,81 @@ class BezierOptions(Options):
     )
     samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000))
     radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
+
+
+VORONOI_METHODS = ("sk1", "sk2", "sk3", "sk4")
+
+
+@dataclass(frozen=True)
+class VoronoiOptions(Options):
+    """Parameters of the Voronoi skeletons."""
+
+    method: str = option(
+        "sk4",
+        "Which skeleton: sk1 (Voronoi vertices inside the object), sk2 (all points of Voronoi edges, in space of "
+        "faces, inside: they are cut at the boundary), sk3 (Voronoi vertices, edges and faces wholly inside), or sk4 "
+        "(the duals of Delaunay cells inside and of their common facets and edges).",
+        choices=VORONOI_METHODS,
+    )
+    least_separation: float = option(
+        0.0,
+        "Elements whose two farthest nearest points are closer together than this are left out: branches and sheets "
+        "that run between neighbouring samples of one side (the lambda of the lambda-medial axis). 0 keeps all.",
+        unit="fraction of the bounding-box diagonal",
+        bounds=(0.0, 1.0),
+    )
+    least_angle: float = option(
+        0.0,
+        "Elements from whose widest place their two farthest nearest points are seen at a smaller angle are left out "
+        "(the separation angle, twice the bisector angle). 0 keeps all; 60 keeps what lies between two sides.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+    )
+
+
+RASTER_METHODS = ("morphological", "thinning", "distance")
+ELEMENTS = ("box", "cross")
+
+
+@dataclass(frozen=True)
+class RasterOptions(Options):
+    """Parameters of the skeletons of masks."""
+
+    method: str = option(
+        "morphological",
+        "Which skeleton: morphological (Lantuejoul's, from which dilations give back the mask exactly), thinning "
+        "(simple points are removed until lines are left; needs scikit-image), or distance (the ridge of the map of "
+        "distances to the outside).",
+        choices=RASTER_METHODS,
+    )
+    element: str = option(
+        "box",
+        "What the mask is eroded with: box (a point and all its neighbours, 3 by 3 by 3) or cross (its neighbours "
+        "across faces only).",
+        choices=ELEMENTS,
+        when=("method", "morphological"),
+    )
+    ridge_slope: float = option(
+        0.75,
+        "A point is on the ridge when the distance grows by less than this, per length, towards each of its "
+        "neighbours. Up a flank it grows by 1, along a ridge between two parallel sides by 0; smaller values keep "
+        "less.",
+        unit="slope",
+        bounds=(0.0, 1.0),
+        when=("method", "distance"),
+    )
+
+
+@dataclass(frozen=True)
+class RasterInputOptions(RasterOptions):
+    """Parameters of the skeletons of masks, with what the mask is made from."""
+
+    mask_array: str = option(
+        "", "Point array of an image that is not 0 inside; without a name the image's active scalars."
+    )
+    resolution: int = option(
+        128,
+        "For points and meshes, which are made into a mask first: grid points along the longest side of the box.",
+        unit="grid points",
+        bounds=(2, 2048),
+    )

@@ -8,12 +8,14 @@ import sys
 from collections.abc import Sequence
 
 from tetraskel import __version__
-from tetraskel.cli import bezier, measure, plugin_path, skeleton, surface, tree
+from tetraskel.cli import bezier, measure, plugin_path, raster, skeleton, surface, tree, voronoi
 from tetraskel.errors import TetraskelError
 
 COMMANDS = {
     "tree": tree,
     "skeleton": skeleton,
+    "voronoi": voronoi,
+    "raster": raster,
     "surface": surface,
     "bezier": bezier,
     "measure": measure,

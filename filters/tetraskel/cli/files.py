@@ -23,8 +23,8 @@ DATA_SETS = (".vtp", ".vtu", ".vtk", ".vti", ".ply", ".obj", ".stl")
 UNCHECKED = (".obj", ".stl", ".ply")  # VTK reads nothing from a broken one, and does not say so
 
 
-def read(path: str) -> vtkPointSet:
-    """The points (and cells) of a file.
+def read(path: str, *, images: bool = False) -> vtkPointSet:
+    """The points (and cells) of a file; an image as its grid points unless `images` are wanted as they are.
 
     Raises
     ------
@@ -38,10 +38,10 @@ def read(path: str) -> vtkPointSet:
     if not file.is_file():
         kind = "is a folder" if file.is_dir() else "does not exist"
         raise InputError(f"expected a file to read, got {path!r}, which {kind}.")
-    return _read_points(file) if suffix in TABLES else _read_data_set(file)
+    return _read_points(file) if suffix in TABLES else _read_data_set(file, images)
 
 
-def _read_data_set(file: Path) -> vtkPointSet:
+def _read_data_set(file: Path, images: bool) -> vtkPointSet:
     import pyvista
 
     try:
@@ -51,6 +51,8 @@ def _read_data_set(file: Path) -> vtkPointSet:
         raise InputError(f"{str(file)!r} cannot be read as {file.suffix}: {_first_line(str(error))}") from error
     if caught.events:
         raise InputError(f"{str(file)!r} cannot be read as {file.suffix}: {_first_line(caught.events[0].alert)}")
+    if isinstance(data, pyvista.ImageData) and images:
+        return data
     if isinstance(data, pyvista.ImageData):
         data = data.cast_to_structured_grid()
     if not isinstance(data, vtkPointSet):
