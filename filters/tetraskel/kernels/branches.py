@@ -28,11 +28,10 @@ JOIN, JOIN_END = 0.5, 0.75
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
-TIP = (0.5, 0.2)
-LONGER = 0.45  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
-# The farthest tip may be a spur on the way to an end far beyond, as seen along the way (in radii where the spur leaves
-# it): one that pokes out of the balls on that way by less than this share of the nearest gives way to that end.
-SPUR, BEYOND = 0.5, 8.0
+TIP = (0.5, 0.05)
+# What makes an end longer by less than its radius is worth this share of a new one: at a flat end, the way into a
+# corner.
+LONGER = 0.45
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
@@ -146,7 +145,7 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
         tick(done / len(tree.roots))
         mine = candidates[tree.component[candidates] == component]
         start = core.nodes[component_of_core == component]
-        found += _grow((tree.parent, tip), Exposure(balls, mine), start, diagonals[component], tick)
+        found += _grow(tree.parent, Exposure(balls, mine), start, diagonals[component], tick)
     found.sort(key=lambda branch: -branch[0])  # stable: components in order
     return Branches(
         [edges for _, _, edges in found],
@@ -183,10 +182,8 @@ def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
     return np.sqrt(excess * alone) * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
 
 
-def _grow(
-    tree: tuple[Ints, Ints], exposure: Exposure, start: Ints, diagonal: float, tick: Tick
-) -> list[tuple[float, int, Ints]]:
-    """Branches of one component, from each node's parent and farthest tip: significance, tip, edges.
+def _grow(parent: Ints, exposure: Exposure, start: Ints, diagonal: float, tick: Tick) -> list[tuple[float, int, Ints]]:
+    """Branches of one component: significance, tip, edges.
 
     A bump that is fatter than it pokes out is worth less by the root of that, and no branch more than the one it
     grows from.
@@ -195,17 +192,15 @@ def _grow(
     exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
-    limit, ends = np.inf, list[int]()
-    root = start[:1].tolist() if len(start) == 1 else []  # an end, too, until a second limb goes on from it
-    joints = root.copy()  # ends of lines, which others go on from
+    limit, ends = np.inf, start.tolist() if len(start) == 1 else []  # a root alone is the end of the first line
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
         if len(values) == 0:
             return found
-        best = _no_spur(tree, exposure, int(values.argmax()))
+        best = int(values.argmax())
         limit = min(limit, float(values.max()))
-        path = _path_to_skeleton(tree[0], balls, int(exposure.candidates[best]), on_skeleton, (kept, joints))
+        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, (kept, ends))
         excess = float(exposure.excess[0, best])
         path = path[_end_of_tip(balls, path, TIP_SHARE * excess) :]
         exposure.excess[:, best] = -np.inf
@@ -213,12 +208,10 @@ def _grow(
             continue
         fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
         worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
-        if found and path[-1] in root and excess > balls.radii[root[0]]:
-            root = []
-        if path[-1] in ends or (found and path[-1] in root):
-            worth *= LONGER
+        if found and path[-1] in ends:
+            ends.remove(int(path[-1]))  # a line goes on from there
+            worth *= LONGER if excess < balls.radii[path[-1]] else 1
         ends.append(int(path[0]))
-        joints.append(int(path[0]))
         found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
         exposure.add_end(int(path[0]))
         on_skeleton.update(dict.fromkeys(path[:-1].tolist(), worth))
@@ -237,37 +230,11 @@ def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
     return path[chosen]
 
 
-def _no_spur(tree: tuple[Ints, Ints], exposure: Exposure, best: int) -> int:
-    """Place of this candidate, or of the one at the end of the way that it is a spur of."""
-    (parent, tip), balls = tree, exposure.balls
-    while True:
-        spur = int(exposure.candidates[best])
-        base = spur
-        while base >= 0 and tip[base] == spur:
-            base = int(parent[base])
-        if base < 0:
-            return best
-        farther = np.flatnonzero(exposure.candidates == tip[base])
-        if len(farther) == 0:
-            return best
-        way = [int(tip[base])]
-        while way[-1] != base:
-            way.append(int(parent[way[-1]]))
-        steps = np.diff(balls.positions[way], axis=0)
-        if np.sqrt((steps**2).sum(axis=1)).sum() < BEYOND * balls.radii[base]:
-            return best
-        away = np.sqrt(((balls.positions[way] - balls.positions[spur]) ** 2).sum(axis=1)) - balls.radii[way]
-        nearest = int(away.argmin())
-        if away[nearest] + balls.radii[spur] > SPUR * balls.radii[way[nearest]]:
-            return best
-        best = int(farther[0])
-
-
 def _path_to_skeleton(
     parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], drawn: tuple[Ints, list[int]]
 ) -> Ints:
     """Nodes from a tip up to the skeleton (nodes, ends of lines): to where the path enters a ball, then to its node."""
-    kept, joints = drawn
+    kept, ends = drawn
     path = [tip]
     while path[-1] not in on_skeleton:
         path.append(int(parent[path[-1]]))
@@ -276,10 +243,10 @@ def _path_to_skeleton(
     near = np.flatnonzero(away < JOIN * balls.radii[kept[nearest]])
     if len(near) == 0 or near[0] >= len(nodes) - 1:
         return nodes
-    ends = np.array(joints, dtype=np.int64)
-    gaps = np.sqrt(((balls.positions[ends] - balls.positions[nodes[near[0]]]) ** 2).sum(axis=1))
-    ends = ends[gaps < JOIN_END * balls.radii[ends]]
-    return np.append(nodes[: near[0] + 1], ends[0] if len(ends) else kept[nearest[near[0]]])
+    goals = np.array(ends, dtype=np.int64)
+    gaps = np.sqrt(((balls.positions[goals] - balls.positions[nodes[near[0]]]) ** 2).sum(axis=1))
+    goals = goals[gaps < JOIN_END * balls.radii[goals]]
+    return np.append(nodes[: near[0] + 1], goals[0] if len(goals) else kept[nearest[near[0]]])
 
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
