@@ -22,16 +22,12 @@ Ints = NDArray[np.integer]
 
 FINEST = 0.015  # significance below which no branch is looked for
 LEAST_EXCESS = 0.006  # of the diagonal: no branch reaches out of its parent's ball by less
-# A path joins a drawn node when it comes this close, in its radii; the end of a line from farther: the line goes on
-# then, and leaves no stub.
-JOIN, JOIN_END = 0.5, 0.75
+JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
-TIP = (0.5, 0.05)
-# What makes an end longer by less than its radius is worth this share of a new one: at a flat end, the way into a
-# corner.
-LONGER = 0.45
+TIP = (0.5, 0.2)
+LONGER = 0.5  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
@@ -145,7 +141,7 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
         tick(done / len(tree.roots))
         mine = candidates[tree.component[candidates] == component]
         start = core.nodes[component_of_core == component]
-        found += _grow(tree.parent, Exposure(balls, mine), start, diagonals[component], tick)
+        found += _grow(tree.parent, balls, start, mine, diagonals[component], tick)
     found.sort(key=lambda branch: -branch[0])  # stable: components in order
     return Branches(
         [edges for _, _, edges in found],
@@ -182,25 +178,28 @@ def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
     return np.sqrt(excess * alone) * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
 
 
-def _grow(parent: Ints, exposure: Exposure, start: Ints, diagonal: float, tick: Tick) -> list[tuple[float, int, Ints]]:
+def _grow(
+    parent: Ints, balls: Balls, start: Ints, candidates: Ints, diagonal: float, tick: Tick
+) -> list[tuple[float, int, Ints]]:
     """Branches of one component: significance, tip, edges.
 
     A bump that is fatter than it pokes out is worth less by the root of that, and no branch more than the one it
     grows from.
     """
-    kept, balls = start, exposure.balls
+    kept = start
+    exposure = Exposure(balls, candidates)
     exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
-    limit, ends = np.inf, start.tolist() if len(start) == 1 else []  # a root alone is the end of the first line
+    limit, ends = np.inf, list[int]()
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
         if len(values) == 0:
             return found
         best = int(values.argmax())
-        limit = min(limit, float(values.max()))
-        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, (kept, ends))
+        limit = min(limit, float(values[best]))
+        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, kept)
         excess = float(exposure.excess[0, best])
         path = path[_end_of_tip(balls, path, TIP_SHARE * excess) :]
         exposure.excess[:, best] = -np.inf
@@ -208,9 +207,8 @@ def _grow(parent: Ints, exposure: Exposure, start: Ints, diagonal: float, tick: 
             continue
         fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
         worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
-        if found and path[-1] in ends:
-            ends.remove(int(path[-1]))  # a line goes on from there
-            worth *= LONGER if excess < balls.radii[path[-1]] else 1
+        if path[-1] in ends:
+            worth *= LONGER
         ends.append(int(path[0]))
         found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
         exposure.add_end(int(path[0]))
@@ -230,11 +228,8 @@ def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
     return path[chosen]
 
 
-def _path_to_skeleton(
-    parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], drawn: tuple[Ints, list[int]]
-) -> Ints:
-    """Nodes from a tip up to the skeleton (nodes, ends of lines): to where the path enters a ball, then to its node."""
-    kept, ends = drawn
+def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], kept: Ints) -> Ints:
+    """Nodes from a tip up to the skeleton: to where the path enters a ball, then straight to its node."""
     path = [tip]
     while path[-1] not in on_skeleton:
         path.append(int(parent[path[-1]]))
@@ -243,10 +238,7 @@ def _path_to_skeleton(
     near = np.flatnonzero(away < JOIN * balls.radii[kept[nearest]])
     if len(near) == 0 or near[0] >= len(nodes) - 1:
         return nodes
-    goals = np.array(ends, dtype=np.int64)
-    gaps = np.sqrt(((balls.positions[goals] - balls.positions[nodes[near[0]]]) ** 2).sum(axis=1))
-    goals = goals[gaps < JOIN_END * balls.radii[goals]]
-    return np.append(nodes[: near[0] + 1], goals[0] if len(goals) else kept[nearest[near[0]]])
+    return np.append(nodes[: near[0] + 1], kept[nearest[near[0]]])
 
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
