@@ -153,6 +153,7 @@ def curve_model(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
             "an open surface, or be too sparse; label the inside yourself, or take the whole mesh as inside."
         )
+    tick(0.25)
     nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
     cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.55))
     widths = _facet_widths(inner)
@@ -168,6 +169,7 @@ def curve_model(
     )
     burn = burn_times(cells, nodes.positions, nodes.radii, part(tick, 0.7, 0.8))
     burn = np.where(nodes.is_medial, burn, nodes.radii)
+    tick(0.8)
     strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
     tree = medial_tree(cells, nodes.positions, strength, loops.cut, part(tick, 0.8, 0.9))
     core = loop_core(tree, cells, loops.crossings, loops.cut, part(tick, 0.9, 0.92))

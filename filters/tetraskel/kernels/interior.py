@@ -93,6 +93,7 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
     tree = gate_tree(mesh, tick=lambda done: tick(0.9 * done))
     least_width = noise * noise_at_gates(mesh, tree) if noise else 0.0
     inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
+    tick(0.93)
     if not inside.any() and lies_on_surface(mesh.coordinates):
         inside, lowered = _by_smaller_ratio(tree, ratio, least_width)
         if inside.any():
@@ -104,7 +105,9 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
             )
     if mesh.dim == 3:  # in the plane only ears could gain, which are corners of the outline
         inside = smaller_surface(mesh, inside)
+    tick(0.97)
     share = surface_share(mesh, inside)
+    tick(1.0)
     if inside.any() and share >= LEAST_SHARE[mesh.dim]:
         return inside
     if inside.any():
