@@ -13,11 +13,11 @@ from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.cli.files import check_output, read, writer_for
 from tetraskel.cli.picture import draw
-from tetraskel.cli.progress import ProgressLine
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
 from tetraskel.vtkfilters.convert import holds_simplices
+from tetraskel.vtkfilters.progress import ProgressLine
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:
