@@ -197,6 +197,8 @@ def _declare(cls, declared):
 
     def set_value(self, *given):
         value = _converted(given[0] if len(given) == 1 else given, declared)  # ParaView sends a vector's numbers
+        if value is None and isinstance(declared.default, str):
+            value = ""  # and None for an empty word
         if self._values[name] != value:
             self._values[name] = value
             self.Modified()
