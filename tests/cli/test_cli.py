@@ -12,7 +12,7 @@ import pyvista
 from paths import ENVIRONMENT, PLUGIN, SAMPLES, SHIM
 from tetraskel import assemble_skeleton, build_tree, interior, remove_flat, triangulate
 from tetraskel.cli import main
-from tetraskel.cli.progress import ProgressLine
+from tetraskel.vtkfilters.progress import ProgressLine
 
 POLYGON = SAMPLES / "polygon.csv"
 

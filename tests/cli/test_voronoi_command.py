@@ -34,7 +34,7 @@ def test_it_is_the_function(tmp_path, capsys, method, sample):
     assert np.array_equal(written.points, expected.points)
     assert written.n_cells == len(expected.separation)
     assert f"{len(expected):,} nodes" in out
-    assert ("faces" in out) == (expected.n_polygons > 0)
+    assert (" faces" in out) == (expected.n_polygons > 0)
     assert len(np.unique(np.asarray(pyvista.read(picture).active_scalars), axis=0)) > 5
 
 

@@ -2,46 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-
 import pytest
 
-from paths import PLUGIN, ROOT, SHIM
-
-REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"
-SECONDS = 300
-
-
-def program(name):
-    """Path of a program; without it the test is skipped, or fails where ParaView is required."""
-    found = shutil.which(name)
-    if found is None:
-        skip_or_fail(f"{name} is not installed (Debian: apt-get install paraview python3-paraview xvfb)")
-    return found
-
-
-def skip_or_fail(reason):
-    """Skip what cannot be run here, except where ParaView is required."""
-    pytest.fail(reason) if REQUIRED else pytest.skip(reason)
+from paths import PLUGIN, ROOT
+from programs import finished, program, skip_or_fail
 
 
 @pytest.fixture
 def missing():
     """What to call when something is not installed."""
     return skip_or_fail
-
-
-def environment(**more):
-    """Without this environment's own packages: ParaView brings its own VTK."""
-    kept = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV", "DISPLAY")}
-    return {**kept, "PYTHONPATH": str(SHIM), **more}
-
-
-def finished(command, folder, more):
-    """A program of ParaView, run to its end in a folder."""
-    return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env=environment(**more), cwd=folder)
 
 
 @pytest.fixture

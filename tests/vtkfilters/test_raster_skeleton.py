@@ -125,3 +125,11 @@ def test_what_has_no_skeleton_is_one_line(messages, data, message):
     with pytest.raises(InputError, match=message):
         run(data)
     assert messages.GetOutput().count("RasterSkeleton: ") == 1
+
+
+def test_an_empty_word_as_paraview_sends_it():
+    step = RasterSkeleton()
+    step.SetMaskArray(None)
+    assert step.mask_array == ""
+    with pytest.raises(InputError, match="mask_array must be a word; got None"):
+        step.mask_array = None

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from tetraskel import __version__
 from tetraskel.cli import bezier, measure, plugin_path, raster, skeleton, surface, tree, voronoi
+from tetraskel.cli.several import jobs
 from tetraskel.errors import TetraskelError
 
 COMMANDS = {
@@ -27,18 +28,34 @@ BAD_USAGE, INTERRUPTED = 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0 on success, 2 and one line on standard error for bad usage or bad input."""
     chosen = parser().parse_args(arguments)
+    status = 0
+    try:
+        for job in jobs(chosen):
+            status = max(status, _run(job))
+            if status == INTERRUPTED:
+                break
+    except TetraskelError as error:
+        return _failed(chosen, error)
+    return status
+
+
+def _run(chosen: argparse.Namespace) -> int:
     try:
         COMMANDS[chosen.command].run(chosen)
         sys.stdout.flush()
     except BrokenPipeError:  # who read our output has enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  (closed with the program)
     except (TetraskelError, OSError) as error:
-        print(f"tetraskel {chosen.command}: {_one_line(error)}", file=sys.stderr)
-        return BAD_USAGE
+        return _failed(chosen, error)
     except KeyboardInterrupt:
         print(f"tetraskel {chosen.command}: stopped; nothing was written.", file=sys.stderr)
         return INTERRUPTED
     return 0
+
+
+def _failed(chosen: argparse.Namespace, error: Exception) -> int:
+    print(f"tetraskel {chosen.command}: {_one_line(error)}", file=sys.stderr)
+    return BAD_USAGE
 
 
 def parser() -> argparse.ArgumentParser:

@@ -7,6 +7,18 @@ from dataclasses import fields
 
 from tetraskel.options import Options
 
+STANDARD_INPUT = "-"
+
+
+def add_input(parser: argparse.ArgumentParser, kinds: str) -> None:
+    """IN, once or more; with several, OUT is a folder."""
+    parser.add_argument("input", metavar="IN", nargs="+", help=f"{kinds}; with several, OUT is a folder")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """The summary for scripts."""
+    parser.add_argument("--json", action="store_true", help="print what was done as a line of JSON")
+
 
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:
     """One `--name` for every option, with its default, unit and meaning; none for those a command asks otherwise.

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.arguments import add_input, add_json, add_options, values
 from tetraskel.options import BezierOptions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel bezier` takes."""
-    parser.add_argument("input", metavar="IN", help="a skeleton with radii: .vtp .vtk .swc")
+    add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
     parser.add_argument("output", metavar="OUT", help="sampled lines: .vtp .vtk .swc .graphml .ply .csv")
     parser.add_argument("--pieces", metavar="FILE", help="also write the exact curves as Bezier cells, .vtu")
+    add_json(parser)
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
     add_options(parser, BezierOptions)
 
@@ -24,7 +25,7 @@ def run(chosen: argparse.Namespace) -> None:
     """Fit and write."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-    from tetraskel.cli.chain import prepared, run_filters
+    from tetraskel.cli.chain import prepared, run_filters, tell
     from tetraskel.cli.files import check_output, replace_to, write_vtk
     from tetraskel.cli.picture import draw
     from tetraskel.cli.swc import read_skeleton
@@ -45,7 +46,8 @@ def run(chosen: argparse.Namespace) -> None:
     if getattr(chosen, "png", None):
         draw(source, result, chosen.png)
     n_pieces = result.GetFieldData().GetArray("Pieces").GetValue(0)
-    print(
+    text = (
         f"{chosen.input}: {source.GetNumberOfPoints():,} points -> {chosen.output}: {int(n_pieces):,} cubic pieces in "
         f"{result.GetNumberOfLines():,} branches, {result.GetNumberOfPoints():,} points"
     )
+    tell(chosen, source, result, text)

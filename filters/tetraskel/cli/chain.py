@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -10,21 +11,22 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.arguments import add_input, add_json, add_options, values
 from tetraskel.cli.files import check_output, read, writer_for
 from tetraskel.cli.picture import draw
-from tetraskel.cli.progress import ProgressLine
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
-from tetraskel.vtkfilters.convert import holds_simplices
+from tetraskel.vtkfilters.convert import holds_simplices, single_facts
+from tetraskel.vtkfilters.progress import ProgressLine
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
-    parser.add_argument("input", metavar="IN", help="points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy")
+    add_input(parser, "points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy, or - for a table from a pipe")
     parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_json(parser)
     parser.add_argument(
         "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
     )
@@ -83,7 +85,7 @@ def finish(
     write(result)
     if getattr(chosen, "png", None):
         draw(source, result, chosen.png)
-    print(summary(chosen, source, result, from_cells=from_cells))
+    tell(chosen, source, result, summary(chosen, source, result, from_cells=from_cells))
 
 
 def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPolyData:
@@ -100,6 +102,22 @@ def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPoly
     for message in filter(None, window.GetOutput().splitlines()):
         print(f"warning: {message}", file=sys.stderr)
     return result
+
+
+def tell(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, text: str) -> None:
+    """Print what was done: the text, or for scripts a line of JSON with the facts in the result's field data."""
+    if not chosen.json:
+        print(text)
+        return
+    counts = {
+        "input": chosen.input,
+        "output": chosen.output,
+        "input_points": source.GetNumberOfPoints(),
+        "points": result.GetNumberOfPoints(),
+        "lines": result.GetNumberOfLines(),
+        "faces": result.GetNumberOfPolys(),
+    }
+    print(json.dumps({**counts, "facts": single_facts(result)}))
 
 
 def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, *, from_cells: bool) -> str:

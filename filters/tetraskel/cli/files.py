@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
+from tetraskel.cli.arguments import STANDARD_INPUT
 from tetraskel.cli.graph_formats import write_csv, write_graphml, write_ply, write_swc
-from tetraskel.cli.tables import read_table
+from tetraskel.cli.tables import read_standard_input, read_table
 from tetraskel.errors import InputError
 from tetraskel.vtkfilters.convert import add_arrays, to_points
 
@@ -24,13 +26,17 @@ UNCHECKED = (".obj", ".stl", ".ply")  # VTK reads nothing from a broken one, and
 
 
 def read(path: str, *, images: bool = False) -> vtkPointSet:
-    """The points (and cells) of a file; an image as its grid points unless `images` are wanted as they are.
+    """The points (and cells) of a file, or a table from standard input (-).
+
+    An image comes as its grid points unless `images` are wanted as they are.
 
     Raises
     ------
     InputError
         When the file is not there, has an unknown suffix, or cannot be read.
     """
+    if path == STANDARD_INPUT:
+        return _data_of(read_standard_input())
     file = Path(path)
     suffix = file.suffix.lower()
     if suffix not in TABLES + DATA_SETS:
@@ -38,7 +44,7 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
     if not file.is_file():
         kind = "is a folder" if file.is_dir() else "does not exist"
         raise InputError(f"expected a file to read, got {path!r}, which {kind}.")
-    return _read_points(file) if suffix in TABLES else _read_data_set(file, images)
+    return _data_of(read_table(file)) if suffix in TABLES else _read_data_set(file, images)
 
 
 def _read_data_set(file: Path, images: bool) -> vtkPointSet:
@@ -80,8 +86,8 @@ def silent_log() -> Iterator[None]:
         vtkLogger.SetStderrVerbosity(before)
 
 
-def _read_points(file: Path) -> vtkPolyData:
-    coordinates, others = read_table(file)
+def _data_of(table: tuple[np.ndarray, dict[str, np.ndarray]]) -> vtkPolyData:
+    coordinates, others = table
     data = vtkPolyData()
     data.SetPoints(to_points(coordinates))
     add_arrays(data.GetPointData(), others)

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.arguments import add_input, add_json, add_options, values
 from tetraskel.options import SurfaceOptions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel surface` takes."""
-    parser.add_argument("input", metavar="IN", help="a skeleton with radii: .vtp .vtk .swc")
+    add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
     parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
+    add_json(parser)
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
     parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
     add_options(parser, SurfaceOptions)
@@ -23,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """Rebuild, write, and say how near it comes."""
-    from tetraskel.cli.chain import run_filters
+    from tetraskel.cli.chain import run_filters, tell
     from tetraskel.cli.files import check_output, read, writer_for
     from tetraskel.cli.picture import draw
     from tetraskel.cli.swc import read_skeleton
@@ -40,7 +41,7 @@ def run(chosen: argparse.Namespace) -> None:
     write(result)
     if getattr(chosen, "png", None):
         draw(source, result, chosen.png)
-    print(_summary(chosen, source, result))
+    tell(chosen, source, result, _summary(chosen, source, result))
 
 
 def _writers() -> dict:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -38,9 +39,18 @@ def _from_npy(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 
 def _from_text(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    return _from_bytes(file.read_bytes(), file)
+
+
+def read_standard_input() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """A table of text from standard input; see `read_table`."""
+    return _from_bytes(sys.stdin.buffer.read(), Path("standard input"))
+
+
+def _from_bytes(content: bytes, file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Rows of cells; `#` begins a comment, and a first row that is not all numbers is a header."""
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise InputError(f"expected a text file in UTF-8, got {str(file)!r} in another encoding.") from error
     numbered = [(k, line.split("#")[0].strip()) for k, line in enumerate(lines, 1)]

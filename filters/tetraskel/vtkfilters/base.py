@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 from dataclasses import fields
 from numbers import Integral, Real
@@ -48,6 +49,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         super().__init_subclass__(**keywords)
         for declared in fields(cls.options):
             _declare(cls, declared)
+        cls.__signature__ = _signature(cls.options)
 
     def __init__(self, **values):
         self._values = {declared.name: declared.default for declared in fields(self.options)}
@@ -191,12 +193,21 @@ def _upstream(algorithm):
         yield algorithm
 
 
+def _signature(options):
+    """The constructor's keywords, as `help()` shows them."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    taken = [inspect.Parameter(one.name, keyword, default=one.default) for one in fields(options)]
+    return inspect.Signature(taken)
+
+
 def _declare(cls, declared):
     """Give a filter class the setter, getter and property of one option."""
     name = declared.name
 
     def set_value(self, *given):
         value = _converted(given[0] if len(given) == 1 else given, declared)  # ParaView sends a vector's numbers
+        if value is None and isinstance(declared.default, str):
+            value = ""  # and None for an empty word
         if self._values[name] != value:
             self._values[name] = value
             self.Modified()

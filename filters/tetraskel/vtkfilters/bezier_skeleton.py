@@ -27,6 +27,7 @@ class BezierSkeleton(SkeletonFilter):
     input_doc = "A skeleton: lines with a point array of radii."
     input_type = "vtkPolyData"
     n_outputs = 2
+    output_names = ("Curves", "Pieces")
 
     def FillOutputPortInformation(self, port, info):
         """Called by VTK: lines, then cells."""

@@ -90,6 +90,19 @@ def fact(data, name: str, default: str) -> str:
     return words.GetValue(0) if isinstance(words, vtkStringArray) and words.GetNumberOfValues() else default
 
 
+def single_facts(data) -> dict[str, int | float | str]:
+    """The single finite numbers and words of the field data, by name."""
+    found, attributes = {}, data.GetFieldData()
+    for k in range(attributes.GetNumberOfArrays()):
+        array = attributes.GetAbstractArray(k)
+        if array.GetNumberOfValues() != 1:
+            continue
+        value = array.GetValue(0) if isinstance(array, (vtkDataArray, vtkStringArray)) else None
+        if isinstance(value, str) or (value is not None and np.isfinite(value)):
+            found[array.GetName()] = value
+    return found
+
+
 def copy_rows(source, target, rows: np.ndarray, skip: tuple[str, ...] = ()) -> None:
     """Copy the given rows of every named array, and which of them are the active scalars."""
     for k in range(source.GetNumberOfArrays()):

@@ -10,10 +10,14 @@ QUIET_SECONDS = 0.5
 
 
 class ProgressLine:
-    """Shows the progress of VTK filters on standard error; a context manager that clears its line at the end."""
+    """Shows the progress of VTK filters on standard error; a context manager that clears its line at the end.
 
-    def __init__(self, stream=None):
+    It is drawn on a terminal only, once the work has taken a moment; `always` draws it at once and anywhere.
+    """
+
+    def __init__(self, stream=None, *, always=False):
         self.stream = sys.stderr if stream is None else stream
+        self.always = always
         self.started = time.monotonic()
         self.shown = False
 
@@ -25,7 +29,8 @@ class ProgressLine:
 
     def show(self, stage: str | None, share: float) -> None:
         """Draw the line, once the work has taken long enough to wonder."""
-        if not self.stream.isatty() or time.monotonic() - self.started < QUIET_SECONDS:
+        wanted = self.stream.isatty() and time.monotonic() - self.started >= QUIET_SECONDS
+        if not wanted and not self.always:
             return
         bar = "#" * int(share * WIDTH)
         self.stream.write(f"\r{bar:<{WIDTH}} {100 * share:3.0f}% {stage or '':<24}")
