@@ -1,0 +1,176 @@
+"""Delaunay by insertion with exact predicates: the face that `tetraskel.kernels.triangulate` calls."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.errors import EngineError
+from tetraskel.kernels import compilation
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.exact import canonical, tetrahedra
+from tetraskel.kernels.exact.ordering import insertion_order
+from tetraskel.kernels.exact.predicates import static_bounds
+from tetraskel.kernels.exact.start import first_simplex
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+SEED = 20
+CELLS_PER_POINT = {2: 2.1, 3: 7.2}  # of uniform points, with the infinite ones; more are made when they are needed
+TICK_SECONDS = 0.1
+FIRST_BATCH = 2000  # points
+LARGEST_CELLS = 2**29 - 1  # facet numbers have 31 bits
+
+
+def delaunay(points: Floats, tick: Tick = silent, seed: int = SEED) -> tuple[Ints, Ints, Ints]:
+    """Simplices (m, d+1), neighbours (m, d+1), and for each point the one that stands for it: itself.
+
+    Simplices are positively oriented. Which they are depends on the coordinates alone, not on their order or the seed;
+    their order, and that of the vertices in each, is a function of the points' order.
+
+    Parameters
+    ----------
+    points : (n, 2) or (n, 3) array
+        Distinct, in an order that is coherent in space, no larger than 2**200 in size.
+    tick : callable
+        Told the share of points inserted; may raise `Aborted`.
+    seed : int
+        Of the order of insertion.
+
+    Raises
+    ------
+    EngineError
+        When the triangulation has more than 536,870,911 cells.
+    """
+    cells = _triangulated(np.ascontiguousarray(points, np.float64), tick, seed)
+    if cells is None:
+        nothing = np.empty((0, points.shape[1] + 1), np.int32)
+        return nothing, nothing, np.arange(len(points))
+    simplices, neighbors = _in_order(cells)
+    return simplices, neighbors, np.arange(len(points))
+
+
+@dataclass
+class Cells:
+    """The growing triangulation, in flat arrays.
+
+    Attributes
+    ----------
+    far : int
+        The vertex at infinity; the others are the points.
+    vertices, mates : (d+1 times c,) int32
+        See `tetrahedra`. A free cell has -1 for its first vertex.
+    marks : (c,) int32
+        In which insertion a cell was last asked about, and with what result.
+    cavity, border, free : (k,) int32
+        Cells of the present cavity, facets of its border, cells that can be used again.
+    state : (5,) int64
+        Numbers the loops keep between calls; see `tetrahedra`.
+    """
+
+    far: int
+    width: int
+    vertices: NDArray[np.int32]
+    mates: NDArray[np.int32]
+    marks: NDArray[np.int32]
+    cavity: NDArray[np.int32]
+    border: NDArray[np.int32]
+    free: NDArray[np.int32]
+    state: NDArray[np.int64]
+
+    def grow(self) -> None:
+        """Make room for half as many cells again.
+
+        Raises
+        ------
+        EngineError
+            When there would be more cells than facet numbers.
+        """
+        n = min(len(self.marks) + len(self.marks) // 2 + 64, LARGEST_CELLS)
+        if n == len(self.marks):
+            raise EngineError(
+                f"the exact engine holds {LARGEST_CELLS} cells, and {self.far} points need more; use fewer points."
+            )
+        for name in ("vertices", "mates", "marks", "cavity", "border", "free"):
+            old = getattr(self, name)
+            wide = np.empty(n * len(old) // len(self.marks) if name in ("vertices", "mates") else n, np.int32)
+            wide[: len(old)] = old
+            setattr(self, name, wide)
+
+
+def _triangulated(points: Floats, tick: Tick, seed: int) -> Cells | None:
+    n, dim = points.shape
+    kernel = _kernel(dim)
+    order = insertion_order(points, seed)
+    bounds, flat = static_bounds(points), points.ravel()
+    first = first_simplex(points)
+    if first is None:
+        return None
+    used = np.zeros(n, bool)
+    used[first] = True
+    order = np.concatenate([first, order[~used[order]]])
+    cells = _first_cells(n, first)
+    seen, table = np.zeros(2 * n + 2, np.int32), np.empty(kernel.TABLE**2, np.int32)
+    state, stop, batch = cells.state, dim + 1, FIRST_BATCH
+    while state[kernel.DONE] < n:
+        started, before = time.perf_counter(), state[kernel.DONE]
+        stop = min(before + batch, n)
+        kernel.insert(
+            flat, order, stop, n, bounds, cells.vertices, cells.mates, cells.marks, seen, cells.cavity, cells.border,
+            cells.free, table, state,
+        )  # fmt: skip
+        if state[kernel.DONE] < stop:
+            cells.grow()
+        elif time.perf_counter() - started < TICK_SECONDS / 2:
+            batch *= 2
+        elif time.perf_counter() - started > TICK_SECONDS:
+            batch = max(batch // 2, 1)
+        tick(state[kernel.DONE] / n)
+    return cells
+
+
+def _kernel(dim: int) -> Any:
+    return tetrahedra
+
+
+def _first_cells(n: int, first: Ints) -> Cells:
+    """One simplex, and an infinite cell behind each of its facets."""
+    width = len(first)
+    room = max(int(CELLS_PER_POINT[width - 1] * n) + 1000, 64)
+    rows = np.full((width + 1, width), n, np.int32)
+    rows[:] = [*first]
+    for k in range(width):
+        rows[1 + k, k] = n
+        a, b = [slot for slot in range(width) if slot != k][:2]
+        rows[1 + k, [a, b]] = rows[1 + k, [b, a]]
+    mates = np.empty((width + 1, width), np.int32)
+    for cell, row in enumerate(rows):
+        for k in range(width):
+            facet = set(np.delete(row, k).tolist())
+            for other, other_row in enumerate(rows):
+                rest = [j for j in range(width) if other != cell and set(np.delete(other_row, j).tolist()) == facet]
+                if rest:
+                    mates[cell, k] = width * other + rest[0]
+    vertices, all_mates = np.empty(width * room, np.int32), np.empty(width * room, np.int32)
+    vertices[: rows.size], all_mates[: rows.size] = rows.ravel(), mates.ravel()
+    cavity, border, free = (np.empty(room, np.int32) for _ in range(3))
+    return Cells(
+        n, width, vertices, all_mates, np.zeros(room, np.int32), cavity, border, free,
+        np.array([width + 1, 0, 0, 0, width]),
+    )  # fmt: skip
+
+
+def _in_order(cells: Cells) -> tuple[Ints, Ints]:
+    used, width = int(cells.state[tetrahedra.USED]), cells.width
+    new_id = np.empty(used, np.int32)
+    order = canonical.sorted_cells(cells.vertices, used, cells.far, width, new_id)
+    simplices, neighbors = np.empty(len(order) * width, np.int32), np.empty(len(order) * width, np.int32)
+    canonical.simplices_and_neighbors(cells.vertices, cells.mates, width, order, new_id, simplices, neighbors)
+    return simplices.reshape(-1, width), neighbors.reshape(-1, width)
