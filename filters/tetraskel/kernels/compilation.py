@@ -66,17 +66,27 @@ def compiled(function: Callable[..., Any]) -> Any:
     """Compile a function that Python calls; the result is kept on disk."""
     numba = importlib.import_module("numba")
     with _cache_folder(numba):
-        return numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=False)(function)
+        return numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=False, _nrt=True)(function)
+
+
+def compiled_without_arrays(function: Callable[..., Any]) -> Any:
+    """The same for a function that makes no arrays: references to those it is given are then not counted.
+
+    Counting costs an atomic operation per array and call, more than most of the functions called.
+    """
+    numba = importlib.import_module("numba")
+    with _cache_folder(numba):
+        return numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=False, _nrt=False)(function)
 
 
 def inner(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call: it is kept as a part of them."""
-    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False)(function)
+    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False, _nrt=True)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a small function into each compiled function that calls it."""
-    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=True)(function)
+    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=True, _nrt=False)(function)
 
 
 @contextmanager

@@ -14,14 +14,16 @@ from numpy.typing import NDArray
 from tetraskel.errors import EngineError
 from tetraskel.kernels import compilation
 from tetraskel.kernels.chunks import Tick, silent
-from tetraskel.kernels.exact import canonical, tetrahedra
+from tetraskel.kernels.exact import canonical, tetrahedra, triangles
 from tetraskel.kernels.exact.ordering import insertion_order
 from tetraskel.kernels.exact.predicates import static_bounds
+from tetraskel.kernels.exact.state import DONE, USED
 from tetraskel.kernels.exact.start import first_simplex
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+KERNELS: dict[int, Any] = {2: triangles, 3: tetrahedra}
 SEED = 20
 CELLS_PER_POINT = {2: 2.1, 3: 7.2}  # of uniform points, with the infinite ones; more are made when they are needed
 TICK_SECONDS = 0.1
@@ -107,7 +109,7 @@ class Cells:
 
 def _triangulated(points: Floats, tick: Tick, seed: int) -> Cells | None:
     n, dim = points.shape
-    kernel = _kernel(dim)
+    kernel = KERNELS[dim]
     order = insertion_order(points, seed)
     bounds, flat = static_bounds(points), points.ravel()
     first = first_simplex(points)
@@ -117,27 +119,23 @@ def _triangulated(points: Floats, tick: Tick, seed: int) -> Cells | None:
     used[first] = True
     order = np.concatenate([first, order[~used[order]]])
     cells = _first_cells(n, first)
-    seen, table = np.zeros(2 * n + 2, np.int32), np.empty(kernel.TABLE**2, np.int32)
+    scratch = kernel.scratch(n)
     state, stop, batch = cells.state, dim + 1, FIRST_BATCH
-    while state[kernel.DONE] < n:
-        started, before = time.perf_counter(), state[kernel.DONE]
+    while state[DONE] < n:
+        started, before = time.perf_counter(), state[DONE]
         stop = min(before + batch, n)
         kernel.insert(
-            flat, order, stop, n, bounds, cells.vertices, cells.mates, cells.marks, seen, cells.cavity, cells.border,
-            cells.free, table, state,
+            flat, order, stop, n, bounds, cells.vertices, cells.mates, cells.marks, cells.cavity, cells.border,
+            cells.free, state, *scratch,
         )  # fmt: skip
-        if state[kernel.DONE] < stop:
+        if state[DONE] < stop:
             cells.grow()
         elif time.perf_counter() - started < TICK_SECONDS / 2:
             batch *= 2
         elif time.perf_counter() - started > TICK_SECONDS:
             batch = max(batch // 2, 1)
-        tick(state[kernel.DONE] / n)
+        tick(state[DONE] / n)
     return cells
-
-
-def _kernel(dim: int) -> Any:
-    return tetrahedra
 
 
 def _first_cells(n: int, first: Ints) -> Cells:
@@ -168,7 +166,7 @@ def _first_cells(n: int, first: Ints) -> Cells:
 
 
 def _in_order(cells: Cells) -> tuple[Ints, Ints]:
-    used, width = int(cells.state[tetrahedra.USED]), cells.width
+    used, width = int(cells.state[USED]), cells.width
     new_id = np.empty(used, np.int32)
     order = canonical.sorted_cells(cells.vertices, used, cells.far, width, new_id)
     simplices, neighbors = np.empty(len(order) * width, np.int32), np.empty(len(order) * width, np.int32)

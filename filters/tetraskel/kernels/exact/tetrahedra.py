@@ -11,14 +11,19 @@ The slots of a cell need no tables: for every k, (k, k^1, k^2, k^3) is an even p
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tetraskel.kernels.compilation import compiled, inlined
+from tetraskel.kernels.compilation import compiled_without_arrays, inlined
 from tetraskel.kernels.exact.linking import link, link_by_hash
 from tetraskel.kernels.exact.predicates import in_sphere, orient3
+from tetraskel.kernels.exact.state import DONE, FREE, LAST, STAMP, USED
 
-# places in the array `state`
-USED, FREE, LAST, STAMP, DONE = 0, 1, 2, 3, 4
 TABLE = 256  # star vertices for which pairs are looked up in a square table
+
+
+def scratch(n_points: int) -> tuple[NDArray[np.int32], ...]:
+    """Arrays that `insert` uses: the number of each vertex in the last star it was in, and a table of pairs of them."""
+    return np.zeros(2 * n_points + 2, np.int32), np.empty(TABLE**2, np.int32)
 
 
 @inlined
@@ -185,8 +190,8 @@ def build_star(vertices, mates, border, n_facets, p, stamp, seen, table, free, s
     state[LAST] = cell
 
 
-@compiled
-def insert(points, order, stop, far, bounds, vertices, mates, marks, seen, cavity, border, free, table, state):
+@compiled_without_arrays
+def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, seen, table):
     """Insert the points `order[state[DONE]:stop]`; stops early when an array is too short for the next one."""
     while state[DONE] < stop:
         p = np.int64(order[state[DONE]])
