@@ -6,6 +6,7 @@ from tetraskel.kernels.binary import BinaryTree, binarize
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.decode import decode_tree
+from tetraskel.kernels.denoise import Denoised, denoised
 from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
@@ -23,6 +24,7 @@ __all__ = [
     "Aborted",
     "BinaryTree",
     "CurveModel",
+    "Denoised",
     "EngineError",
     "InputError",
     "InsideWarning",
@@ -38,6 +40,7 @@ __all__ = [
     "curve_model",
     "curve_skeleton",
     "decode_tree",
+    "denoised",
     "draw_curve",
     "gate_arrays",
     "gate_tree",

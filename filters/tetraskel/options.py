@@ -91,6 +91,11 @@ class DelaunayOptions(Options):
         unit="fraction of the bounding-box diagonal",
         bounds=(0.0, 0.01),
     )
+    denoise: bool = option(
+        False,
+        "Move noisy points of a surface back onto it first, and of those closer to one another than the noise keep "
+        "one. Points without noise are left as they are.",
+    )
 
 
 @dataclass(frozen=True)
@@ -194,6 +199,11 @@ class CurveOptions(Options):
         "samples and are cut.",
         unit="local distance between points",
         bounds=(0.0, 100.0),
+    )
+    denoise: bool = option(
+        True,
+        "Move noisy points of a surface back onto it first; for points only, a mesh is taken as it is. Points without "
+        "noise are left as they are.",
     )
     root: str = option(
         "paper",

@@ -18,6 +18,7 @@ def tree_skeleton(
     *,
     engine: str = DelaunayOptions.engine,
     joggle: float = DelaunayOptions.joggle,
+    denoise: bool = DelaunayOptions.denoise,
     traversal: str = TreeOptions.traversal,
     centre: str = TreeOptions.centre,
     threshold: float = FlatOptions.threshold,
@@ -29,8 +30,8 @@ def tree_skeleton(
     Parameters
     ----------
     points : (n, 2) or (n, 3) array, or Triangulation
-        A cloud, or a mesh to walk as it is (`engine` and `joggle` are then not used).
-    engine, joggle, traversal, centre, threshold, keep_leaves
+        A cloud, or a mesh to walk as it is (`engine`, `joggle` and `denoise` are then not used).
+    engine, joggle, denoise, traversal, centre, threshold, keep_leaves
         See the options of each stage in `tetraskel.options`.
     tick : callable, optional
         Told the share of each stage done; may raise `Aborted`.
@@ -42,6 +43,9 @@ def tree_skeleton(
     >>> tree_skeleton(cloud).points.shape[1]
     3
     """
-    mesh = points if isinstance(points, Triangulation) else triangulate(points, engine=engine, joggle=joggle, tick=tick)
+    if isinstance(points, Triangulation):
+        mesh = points
+    else:
+        mesh = triangulate(points, engine=engine, joggle=joggle, denoise=denoise, tick=tick)
     tree = remove_flat(build_tree(mesh, traversal=traversal, tick=tick), threshold=threshold, tick=tick)
     return assemble_skeleton(tree, centre=centre, keep_leaves=keep_leaves)

@@ -46,6 +46,19 @@ def bones_apart(a: Skeleton, b: Skeleton) -> float:
 def test_tubes_have_their_axes(name: str, density: int) -> None:
     tube = TUBES[name]()
     skeleton = curve_skeleton(tube.sample(DENSITIES.get(name, (4000, 6000, 9000))[density], seed=density))
+    check_against_axes(skeleton, tube)
+
+
+@pytest.mark.parametrize("density", [0, 1, 2] if numba_is_used() else [0])
+@pytest.mark.parametrize("name", sorted(TUBES))
+def test_noisy_tubes_too(name: str, density: int) -> None:
+    tube = TUBES[name]()
+    points = tube.sample(DENSITIES.get(name, (4000, 6000, 9000))[density] + 2000, seed=density, noise=0.005)
+    check_against_axes(curve_skeleton(points), tube)
+
+
+def check_against_axes(skeleton: Skeleton, tube: Tube) -> None:
+    """Exact topology; axis and radius within 5 % of the local radius, the radius away from junctions."""
     assert topology(skeleton) == expected(tube)
     places, weights = samples_along(skeleton, 400)
     assert (weights * tube.axis_distance(places)).sum() / weights.sum() < 0.05

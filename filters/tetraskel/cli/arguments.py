@@ -9,11 +9,14 @@ from tetraskel.options import Options
 
 
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:
-    """One `--name` for every option, with its default, unit and meaning."""
+    """One `--name` for every option, with its default, unit and meaning; of several with one name the first."""
+    seen: set[str] = set()
     for options in option_sets:
         group = parser.add_argument_group(options.__doc__.rstrip("."))
         for declared in fields(options):
-            _add_option(group, declared)
+            if _name(declared) not in seen:
+                _add_option(group, declared)
+            seen.add(_name(declared))
 
 
 def _add_option(group, declared) -> None:

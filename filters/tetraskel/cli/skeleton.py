@@ -24,14 +24,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
     parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
     add_inside(parser)
-    parser.set_defaults(inside=None)
     add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
+    parser.set_defaults(inside=None, denoise=None)
 
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
     if chosen.inside is None:
         chosen.inside = "gates" if chosen.method == "curve" else "all"
+    if chosen.denoise is None:
+        chosen.denoise = CurveOptions.denoise if chosen.method == "curve" else DelaunayOptions.denoise
     for options in (CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions):
         values(chosen, options)  # a wrong value is told, whether this method uses it or not
     extras = _extra_writers(chosen)

@@ -13,7 +13,7 @@ from tetraskel.kernels.attachment import anchor_points, points_of_anchors
 from tetraskel.kernels.branches import Branches, grow_branches
 from tetraskel.kernels.burning import burn_times
 from tetraskel.kernels.chains import merge_close_junctions, trace_chains
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.collapse import Collapse, collapse_to_graph
 from tetraskel.kernels.core import Core, loop_core
 from tetraskel.kernels.curve_arrays import assemble
@@ -73,6 +73,7 @@ def curve_skeleton(
     *,
     detail: float = CurveOptions.detail,
     loop_spacings: float = CurveOptions.loop_spacings,
+    denoise: bool = CurveOptions.denoise,
     inside: ArrayLike | None = None,
     root: str | ArrayLike = CurveOptions.root,
     tick: Tick = silent,
@@ -86,7 +87,7 @@ def curve_skeleton(
         triangulation made by others (`triangulation_of`) is all inside.
     detail : float
         From 0, the main lines, to 1; see `CurveOptions`.
-    loop_spacings : float
+    loop_spacings, denoise
         See `CurveOptions`.
     inside : (m,) array, optional
         Simplices of the mesh that lie inside: those that are not 0.
@@ -119,10 +120,8 @@ def curve_skeleton(
         mesh, share = points_or_mesh, 0.0
     else:
         share = 0.5
-        mesh = triangulate(points_or_mesh, tick=lambda done: tick(share * done))
-    model = curve_model(
-        mesh, inside=inside, loop_spacings=loop_spacings, tick=lambda done: tick(share + (0.97 - share) * done)
-    )
+        mesh = triangulate(points_or_mesh, denoise=denoise, tick=part(tick, 0.0, share))
+    model = curve_model(mesh, inside=inside, loop_spacings=loop_spacings, tick=part(tick, share, 0.97))
     skeleton = draw_curve(model, detail=detail, root=root)
     tick(1.0)
     return skeleton
@@ -147,17 +146,17 @@ def curve_model(
     InputError
         When nothing is inside.
     """
-    labels = _inside(mesh, inside, _part(tick, 0.0, 0.25))
+    labels = _inside(mesh, inside, part(tick, 0.0, 0.25))
     inner = inner_mesh(mesh, labels)
     if len(inner.simplices) == 0 and len(mesh.points):
         raise InputError(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
             "an open surface, or be too sparse; label the inside yourself, or take the whole mesh as inside."
         )
-    nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, _part(tick, 0.25, 0.45))
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), _part(tick, 0.45, 0.55))
+    nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.55))
     widths = _facet_widths(inner)
-    collapse = collapse_to_graph(cells, widths, _part(tick, 0.55, 0.65))
+    collapse = collapse_to_graph(cells, widths, part(tick, 0.55, 0.65))
     check_homotopy(cells, collapse)
     loops = find_loops(
         cells,
@@ -165,20 +164,16 @@ def curve_model(
         widths,
         lambda facets: _spacing(inner, cells, facets),
         loop_spacings=loop_spacings,
-        tick=_part(tick, 0.65, 0.7),
+        tick=part(tick, 0.65, 0.7),
     )
-    burn = burn_times(cells, nodes.positions, nodes.radii, _part(tick, 0.7, 0.8))
+    burn = burn_times(cells, nodes.positions, nodes.radii, part(tick, 0.7, 0.8))
     burn = np.where(nodes.is_medial, burn, nodes.radii)
     strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
-    tree = medial_tree(cells, nodes.positions, strength, loops.cut, _part(tick, 0.8, 0.9))
-    core = loop_core(tree, cells, loops.crossings, loops.cut, _part(tick, 0.9, 0.92))
-    branches = grow_branches(core, nodes.positions, nodes.radii, burn, _part(tick, 0.92, 1.0))
+    tree = medial_tree(cells, nodes.positions, strength, loops.cut, part(tick, 0.8, 0.9))
+    core = loop_core(tree, cells, loops.crossings, loops.cut, part(tick, 0.9, 0.92))
+    branches = grow_branches(core, nodes.positions, nodes.radii, burn, part(tick, 0.92, 1.0))
     anchors = anchor_points(inner, nodes, core, branches, tick)
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
-
-
-def _part(tick: Tick, start: float, stop: float) -> Tick:
-    return lambda share: tick(start + (stop - start) * share)
 
 
 def _inside(mesh: Triangulation, inside: ArrayLike | None, tick: Tick) -> Bools:

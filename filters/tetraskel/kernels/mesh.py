@@ -35,6 +35,8 @@ class Triangulation:
         For every input point the id of the point that stands for it.
     engine : str
         What made the triangulation.
+    noise : float
+        Standard deviation of the input across its surface, which was taken out; 0 when the points are the input's.
     """
 
     points: Floats
@@ -43,6 +45,7 @@ class Triangulation:
     original_ids: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     point_map: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     engine: str = "given"
+    noise: float = 0.0
 
     @property
     def dim(self) -> int:

@@ -37,3 +37,7 @@ class Cloud:
         """Distances and indices of the k nearest points of each of the (m, d) places: (m,) or (m, k) each."""
         distance, index = self._tree.query(places, k)
         return distance, index
+
+    def count_within(self, places: Floats, distance: float) -> Ints:
+        """(m,) how many points lie within a distance of each of the (m, d) places."""
+        return np.asarray(self._tree.query_ball_point(places, distance, return_length=True))

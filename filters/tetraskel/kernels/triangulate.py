@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import EngineError
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
+from tetraskel.kernels.denoise import denoised
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.plane import plane_of_mesh
 from tetraskel.kernels.points import DistinctPoints, distinct_points, full_dimensional, morton_order
 from tetraskel.kernels.predicates import orientation_signs
 from tetraskel.options import DelaunayOptions
@@ -36,6 +39,7 @@ def triangulate(
     *,
     engine: str = DelaunayOptions.engine,
     joggle: float = DelaunayOptions.joggle,
+    denoise: bool = DelaunayOptions.denoise,
     tick: Tick = silent,
 ) -> Triangulation:
     """Delaunay triangulation of a point cloud.
@@ -48,6 +52,9 @@ def triangulate(
         See `DelaunayOptions`.
     joggle : float
         Largest displacement, as a fraction of the bounding-box diagonal; the result has the original coordinates.
+    denoise : bool
+        Triangulate the points that `denoised` leaves, instead of the points themselves. The result's `point_map` then
+        gives every input point the one nearest to it, `original_ids` the input point that each was.
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
 
@@ -70,21 +77,36 @@ def triangulate(
     >>> square.simplices.shape
     (2, 3)
     """
-    DelaunayOptions(engine=engine, joggle=joggle)
+    DelaunayOptions(engine=engine, joggle=joggle, denoise=denoise)
     distinct = distinct_points(points)
     engine = available_engine(engine)
     if len(distinct.points) == 0:
         return _empty(distinct, engine)
     coordinates = full_dimensional(distinct)
+    noise, before = 0.0, 0.3 if denoise else 0.0
+    if denoise:
+        distinct, coordinates, noise = _without_noise(distinct, coordinates, part(tick, 0.0, before))
     order = morton_order(coordinates)
     inputs = _unit_box(coordinates[order])
     if joggle:
         inputs = inputs + _displacements(inputs, joggle)
     module = importlib.import_module(ENGINE_MODULES[engine][0])
-    simplices, neighbors, stands_for = module.delaunay(inputs, tick)
+    simplices, neighbors, stands_for = module.delaunay(inputs, part(tick, before, 1.0))
     if len(simplices) == 0:
         raise EngineError(f"the {engine} engine found no simplex in {len(inputs)} points; they may be almost flat.")
-    return _in_input_ids(distinct, coordinates, order, (simplices, neighbors, stands_for), engine)
+    mesh = _in_input_ids(distinct, coordinates, order, (simplices, neighbors, stands_for), engine)
+    return replace(mesh, noise=noise)
+
+
+def _without_noise(distinct: DistinctPoints, coordinates: Floats, tick: Tick) -> tuple[DistinctPoints, Floats, float]:
+    """The points back on their surface, their coordinates, and the noise that was found."""
+    found = denoised(coordinates, tick)
+    if found.noise == 0:
+        return distinct, coordinates, 0.0
+    in_space = distinct.points.shape[1] > coordinates.shape[1]
+    points = plane_of_mesh(distinct.points).lift(found.points) if in_space else found.points
+    ids, rows = distinct.original_ids[found.ids], found.stands_for[distinct.point_map]
+    return DistinctPoints(points, ids, rows, distinct.roundoff), found.points, found.noise
 
 
 def available_engine(engine: str) -> str:

@@ -47,7 +47,7 @@ class CurveSkeleton(SkeletonFilter):
     def execute(self, inputs, outputs):
         """Compute the model where the input or its options changed, and draw it."""
         source = inputs[0]
-        key = (source, source.GetMTime(), self.loop_spacings)
+        key = (source, source.GetMTime(), self.loop_spacings, self.denoise)
         if self._made_from != key:
             self._model, self._made_from = None, None
             self._model = self._compute(source)
@@ -58,7 +58,7 @@ class CurveSkeleton(SkeletonFilter):
         outputs[0].GetFieldData().PassData(source.GetFieldData())
         if not holds_simplices(source):  # a mesh brings these facts from where it was made
             mesh = self._model.inner.mesh
-            add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
+            add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged, "Noise": mesh.noise})
         _fill_points(source, outputs[1], skeleton)
 
     def _compute(self, source):
@@ -66,7 +66,7 @@ class CurveSkeleton(SkeletonFilter):
             mesh, inside = mesh_of(source), array_of(source.GetCellData(), "Inside")
             share = 0.0
         else:
-            mesh = triangulate(points_of(source), tick=self.tick("Triangulating", 0.0, 0.5))
+            mesh = triangulate(points_of(source), denoise=self.denoise, tick=self.tick("Triangulating", 0.0, 0.5))
             inside, share = None, 0.5
         tick = self.tick("Drawing the skeleton together", share, 1.0)
         return curve_model(mesh, inside=inside, loop_spacings=self.loop_spacings, tick=tick)

@@ -12,7 +12,8 @@ class DelaunayMesh(SkeletonFilter):
     """Points to the tetrahedra (triangles, if they lie in a plane) of their Delaunay triangulation.
 
     Equal points are merged; the point array `OriginalPointIds` names the input point of each, and the other point
-    arrays are carried over. Field data: `Engine`, `InputPoints`, `DuplicatesMerged`.
+    arrays are carried over. Field data: `Engine`, `InputPoints`, `DuplicatesMerged` (points for which another one
+    stands) and `Noise` (what was taken out, in the unit of the points).
     """
 
     options = DelaunayOptions
@@ -22,10 +23,11 @@ class DelaunayMesh(SkeletonFilter):
     def execute(self, inputs, outputs):
         """Triangulate the points of the input."""
         source, grid = inputs[0], outputs[0]
-        mesh = triangulate(points_of(source), engine=self.engine, joggle=self.joggle, tick=self.tick("Triangulating"))
+        options = {"engine": self.engine, "joggle": self.joggle, "denoise": self.denoise}
+        mesh = triangulate(points_of(source), **options, tick=self.tick("Triangulating"))
         fill_grid(grid, mesh)
         copy_rows(source.GetPointData(), grid.GetPointData(), mesh.original_ids)
         add_arrays(grid.GetPointData(), {"OriginalPointIds": mesh.original_ids})
         grid.GetFieldData().PassData(source.GetFieldData())
         facts = {"Engine": mesh.engine, "InputPoints": len(mesh.point_map), "DuplicatesMerged": mesh.n_merged}
-        add_facts(grid, facts)
+        add_facts(grid, {**facts, "Noise": mesh.noise})
