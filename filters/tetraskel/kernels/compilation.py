@@ -19,47 +19,81 @@ from typing import Any
 
 SWITCH = "TETRASKEL_NUMBA"  # set to 0 to keep numba out
 FOLDER = "TETRASKEL_NUMBA_PATH"  # a folder with numba and llvmlite, for a Python that has none (ParaView's)
+BESIDE = "numba_packages"  # the name of such a folder beside the plugin, which needs no variable
 CACHE = "NUMBA_CACHE_DIR"  # numba's own variable; respected
 KERNELS = Path(__file__).resolve().parent
 
 logger = logging.getLogger("tetraskel")
 
 
+_failures: list[BaseException] = []  # why numba is not used although it is there
+
+
 def numba_is_used() -> bool:
-    """Whether loops run compiled: numba is there, can be imported, and is not switched off."""
-    return os.environ.get(SWITCH, "1") != "0" and numba_module() is not None
+    """Whether loops run compiled: numba is there, works, and is not switched off."""
+    return os.environ.get(SWITCH, "1") != "0" and not _failures and _numba_module() is not None
 
 
 @cache
-def numba_module() -> ModuleType | None:
+def _numba_module() -> ModuleType | None:
     """Numba, or None where it is missing; where it is there but broken, with one warning."""
-    _append_folder()
+    if importlib.util.find_spec("numba") is None:
+        _append_folder()
     if importlib.util.find_spec("numba") is None:
         return None
     try:
-        return importlib.import_module("numba")
+        numba = importlib.import_module("numba")
+        _announce_compilation()
     except Exception as error:  # whatever a wrong NumPy, a missing llvmlite or half an installation raises
-        warn_of_broken_numba(error)
+        give_up_numba(error)
         return None
+    return numba
 
 
-def warn_of_broken_numba(error: BaseException) -> None:
-    """One sentence about a numba that cannot be used, and what happens instead."""
-    reason = (str(error).strip() or type(error).__name__).splitlines()[0]
+def give_up_numba(error: BaseException) -> None:
+    """Do without numba from now on, and say so once."""
+    _failures.append(error)
     warnings.warn(
-        f"numba is installed but does not work ({reason}); Qhull and uncompiled loops are used instead. "
+        f"numba is installed but does not work ({first_line(error)}); Qhull and uncompiled loops are used instead. "
         f"Repair it, or set {SWITCH}=0.",
         RuntimeWarning,
         stacklevel=3,
     )
 
 
+def first_line(error: BaseException) -> str:
+    """What an exception says, in one line."""
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
+
+
+def _announce_compilation() -> None:
+    """Log a line when this process compiles something of ours for the first time; code from disk is not compiled."""
+    event = importlib.import_module("numba.core.event")
+
+    class Compiling(event.Listener):  # type: ignore[name-defined,misc]
+        told = False
+
+        def on_start(self, started: Any) -> None:
+            ours = started.data["dispatcher"].py_func.__module__.startswith("tetraskel")
+            if ours and not Compiling.told:
+                Compiling.told = True
+                logger.warning("tetraskel compiles its loops with numba, once; this takes some seconds.")
+
+        def on_end(self, ended: Any) -> None:
+            pass
+
+    event.register("numba:compile", Compiling())
+
+
 def _append_folder() -> None:
-    """Put the folder that holds numba for this Python at the end of the path: nothing in it hides what is there."""
-    folder = os.environ.get(FOLDER, "")
-    if folder and os.path.isdir(folder) and folder not in sys.path:
-        sys.path.append(folder)
-        importlib.invalidate_caches()
+    """Put a folder that holds numba at the end of the path: nothing in it hides what this Python has."""
+    package = KERNELS.parent
+    places = [os.environ.get(FOLDER, ""), package.parents[1] / "plugin" / BESIDE, package / "paraview_plugin" / BESIDE]
+    for folder in places:
+        if folder and os.path.isdir(folder):
+            sys.path.append(str(folder))
+            importlib.invalidate_caches()
+            return
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -90,26 +124,6 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 @contextmanager
-def announced(numba: ModuleType, message: str) -> Iterator[None]:
-    """Log `message` once if anything has to be compiled inside the block, and nothing if all comes from disk."""
-    event = importlib.import_module("numba.core.event")
-
-    class Compiling(event.Listener):  # type: ignore[name-defined,misc]
-        told = False
-
-        def on_start(self, _: Any) -> None:
-            if not self.told:
-                self.told = True
-                logger.warning(message)
-
-        def on_end(self, _: Any) -> None:
-            pass
-
-    with event.install_listener("numba:compile", Compiling()):
-        yield
-
-
-@contextmanager
 def _cache_folder(numba: ModuleType) -> Iterator[None]:
     """Numba's setting for the functions made inside the block only."""
     before = numba.config.CACHE_DIR
@@ -124,11 +138,11 @@ def _cache_folder(numba: ModuleType) -> Iterator[None]:
 def cache_folder() -> Path:
     """A writable folder for compiled code: numba's own choice, else beside the source, the user's, or a temporary one.
 
-    Its last part is a function of the kernels' source, because numba looks only at the file of the outermost
-    function to see whether what it kept is out of date.
+    Its last part is a function of the exact engine's source: numba looks only at the file of the outermost function to
+    see whether what it kept is out of date, and the engine has many files.
     """
     version = hashlib.sha256()
-    for file in sorted(KERNELS.rglob("*.py")):
+    for file in [Path(__file__), *sorted((KERNELS / "exact").glob("*.py"))]:
         version.update(file.read_bytes())
     name = f"tetraskel-{version.hexdigest()[:16]}"
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/.cache")

@@ -28,6 +28,7 @@ SEED = 20
 CELLS_PER_POINT = {2: 2.1, 3: 7.2}  # of uniform points, with the infinite ones; more are made when they are needed
 TICK_SECONDS = 0.1
 FIRST_BATCH = 2000  # points
+HIGHEST_EXPONENT = 200
 LARGEST_CELLS = 2**29 - 1  # facet numbers have 31 bits
 
 
@@ -40,7 +41,7 @@ def delaunay(points: Floats, tick: Tick = silent, seed: int = SEED) -> tuple[Int
     Parameters
     ----------
     points : (n, 2) or (n, 3) array
-        Distinct, in an order that is coherent in space, no larger than 2**200 in size.
+        In an order that is coherent in space. Points that are equal get one vertex.
     tick : callable
         Told the share of points inserted; may raise `Aborted`.
     seed : int
@@ -49,14 +50,37 @@ def delaunay(points: Floats, tick: Tick = silent, seed: int = SEED) -> tuple[Int
     Raises
     ------
     EngineError
-        When the triangulation has more than 536,870,911 cells.
+        When the triangulation has more than 536,870,911 cells, or the coordinates differ in size by more than doubles
+        can hold once the largest is small enough to be raised to the fifth power.
     """
-    cells = _triangulated(np.ascontiguousarray(points, np.float64), tick, seed)
+    stands_for = np.arange(len(points))
+    cells = _triangulated(_scaled(points), stands_for, tick, seed)
     if cells is None:
         nothing = np.empty((0, points.shape[1] + 1), np.int32)
-        return nothing, nothing, np.arange(len(points))
-    simplices, neighbors = _in_order(cells)
-    return simplices, neighbors, np.arange(len(points))
+        return nothing, nothing, stands_for
+    return *_in_order(cells), stands_for
+
+
+@cache
+def prepare(dim: int) -> None:
+    """Compile what d-dimensional points need, or load it from disk."""
+    delaunay(np.concatenate([np.zeros((1, dim)), np.eye(dim), np.full((1, dim), 0.25)]))
+
+
+def _scaled(points: Floats) -> Floats:
+    """The points times a power of two that makes the largest coordinate almost 2**200: nothing is rounded.
+
+    Determinants then have no overflow, and the filters trust differences down to 2**-370 of the largest coordinate.
+    """
+    largest = float(np.abs(points).max(initial=0.0))
+    shift = HIGHEST_EXPONENT - int(np.frexp(largest)[1])
+    scaled = np.ldexp(points, shift)
+    if shift < 0 and not np.array_equal(np.ldexp(scaled, -shift), points):
+        raise EngineError(
+            "expected coordinates whose sizes differ by a factor of less than 1e300, got tiny ones beside "
+            f"{largest:g}; set those to zero."
+        )
+    return np.ascontiguousarray(scaled)
 
 
 @dataclass
@@ -107,7 +131,7 @@ class Cells:
             setattr(self, name, wide)
 
 
-def _triangulated(points: Floats, tick: Tick, seed: int) -> Cells | None:
+def _triangulated(points: Floats, stands_for: Ints, tick: Tick, seed: int) -> Cells | None:
     n, dim = points.shape
     kernel = KERNELS[dim]
     order = insertion_order(points, seed)
@@ -126,7 +150,7 @@ def _triangulated(points: Floats, tick: Tick, seed: int) -> Cells | None:
         stop = min(before + batch, n)
         kernel.insert(
             flat, order, stop, n, bounds, cells.vertices, cells.mates, cells.marks, cells.cavity, cells.border,
-            cells.free, state, *scratch,
+            cells.free, state, stands_for, *scratch,
         )  # fmt: skip
         if state[DONE] < stop:
             cells.grow()

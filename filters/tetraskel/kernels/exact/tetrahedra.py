@@ -97,6 +97,16 @@ def locate(points, vertices, mates, cell, p, far, bound):
 
 
 @inlined
+def equal_vertex(points, vertices, cell, p, far):
+    """The vertex of a cell that lies where a point lies, or -1; of the cells that hold the point every one has it."""
+    for k in range(4):
+        v = np.int64(vertices[4 * cell + k])
+        if v != far and points[3 * v] == points[3 * p] and points[3 * v + 1] == points[3 * p + 1] and points[3 * v + 2] == points[3 * p + 2]:
+            return v
+    return -1
+
+
+@inlined
 def find_cavity(points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border):
     """All cells in conflict with a point, from one of them on (Bowyer 1981, Watson 1981).
 
@@ -191,13 +201,18 @@ def build_star(vertices, mates, border, n_facets, p, stamp, seen, table, free, s
 
 
 @compiled_without_arrays
-def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, seen, table):
+def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, stands_for, seen, table):
     """Insert the points `order[state[DONE]:stop]`; stops early when an array is too short for the next one."""
     while state[DONE] < stop:
         p = np.int64(order[state[DONE]])
         state[STAMP] += 1
         stamp = state[STAMP]
         cell = locate(points, vertices, mates, state[LAST], p, far, bounds[0])
+        same = equal_vertex(points, vertices, cell, p, far)
+        if same >= 0:
+            stands_for[p] = same
+            state[DONE] += 1
+            continue
         n_cells, n_facets = find_cavity(
             points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border
         )

@@ -82,6 +82,16 @@ def locate(points, vertices, mates, cell, p, far, bound):
 
 
 @inlined
+def equal_vertex(points, vertices, cell, p, far):
+    """The vertex of a cell that lies where a point lies, or -1; of the cells that hold the point every one has it."""
+    for k in range(3):
+        v = np.int64(vertices[3 * cell + k])
+        if v != far and points[2 * v] == points[2 * p] and points[2 * v + 1] == points[2 * p + 1]:
+            return v
+    return -1
+
+
+@inlined
 def find_cavity(points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border):
     """All triangles in conflict with a point, from one of them on; see `tetrahedra.find_cavity`."""
     inside, outside = 2 * stamp, 2 * stamp + 1
@@ -149,13 +159,18 @@ def build_star(vertices, mates, border, n_edges, p, stamp, seen, free, state):
 
 
 @compiled_without_arrays
-def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, seen):
+def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, stands_for, seen):
     """Insert the points `order[state[DONE]:stop]`; stops early when an array is too short for the next one."""
     while state[DONE] < stop:
         p = np.int64(order[state[DONE]])
         state[STAMP] += 1
         stamp = state[STAMP]
         cell = locate(points, vertices, mates, state[LAST], p, far, bounds[0])
+        same = equal_vertex(points, vertices, cell, p, far)
+        if same >= 0:
+            stands_for[p] = same
+            state[DONE] += 1
+            continue
         n_cells, n_edges = find_cavity(points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border)
         if n_cells < 0 or state[USED] + n_edges > len(marks) or n_cells + state[FREE] > len(free):
             return
