@@ -165,28 +165,34 @@ def _triangulated(points: Floats, stands_for: Ints, tick: Tick, seed: int) -> Ce
 def _first_cells(n: int, first: Ints) -> Cells:
     """One simplex, and an infinite cell behind each of its facets."""
     width = len(first)
-    room = max(int(CELLS_PER_POINT[width - 1] * n) + 1000, 64)
-    rows = np.full((width + 1, width), n, np.int32)
-    rows[:] = [*first]
-    for k in range(width):
-        rows[1 + k, k] = n
-        a, b = [slot for slot in range(width) if slot != k][:2]
-        rows[1 + k, [a, b]] = rows[1 + k, [b, a]]
-    mates = np.empty((width + 1, width), np.int32)
-    for cell, row in enumerate(rows):
-        for k in range(width):
-            facet = set(np.delete(row, k).tolist())
-            for other, other_row in enumerate(rows):
-                rest = [j for j in range(width) if other != cell and set(np.delete(other_row, j).tolist()) == facet]
-                if rest:
-                    mates[cell, k] = width * other + rest[0]
-    vertices, all_mates = np.empty(width * room, np.int32), np.empty(width * room, np.int32)
-    vertices[: rows.size], all_mates[: rows.size] = rows.ravel(), mates.ravel()
+    room = min(int(CELLS_PER_POINT[width - 1] * n) + 1000, LARGEST_CELLS)
+    slots, behind = _first_slots(width)
+    vertices, mates = np.empty(width * room, np.int32), np.empty(width * room, np.int32)
+    vertices[: slots.size] = np.append(first, n)[slots.ravel()]
+    mates[: slots.size] = behind.ravel()
     cavity, border, free = (np.empty(room, np.int32) for _ in range(3))
-    return Cells(
-        n, width, vertices, all_mates, np.zeros(room, np.int32), cavity, border, free,
-        np.array([width + 1, 0, 0, 0, width]),
-    )  # fmt: skip
+    state = np.zeros(5, np.int64)
+    state[USED], state[DONE] = width + 1, width
+    return Cells(n, width, vertices, mates, np.zeros(room, np.int32), cavity, border, free, state)
+
+
+@cache
+def _first_slots(width: int) -> tuple[Ints, Ints]:
+    """The first cells by the places of their vertices (the last one is the vertex at infinity), and their mates.
+
+    In the cell behind a facet two vertices change places, because its orientation is the other one.
+    """
+    slots = np.tile(np.arange(width), (width + 1, 1))
+    for k in range(width):
+        slots[1 + k, k] = width
+        a, b = [slot for slot in range(width) if slot != k][:2]
+        slots[1 + k, [a, b]] = slots[1 + k, [b, a]]
+    facet_of = {(frozenset(row) - {v}, cell): k for cell, row in enumerate(slots.tolist()) for k, v in enumerate(row)}
+    mates = np.empty((width + 1, width), np.int64)
+    for (facet, cell), k in facet_of.items():
+        other = next(c for f, c in facet_of if f == facet and c != cell)
+        mates[cell, k] = width * other + facet_of[facet, other]
+    return slots, mates
 
 
 def _in_order(cells: Cells) -> tuple[Ints, Ints]:
