@@ -67,7 +67,7 @@ def check_value(name: str, value: Any, metadata: Any, default: Any) -> None:
         raise InputError(f"{name} must be a whole number; got {value!r}.")
 
 
-ENGINES = ("auto", "exact", "qhull", "vtk")
+ENGINES = ("auto", "qhull", "vtk", "exact")  # saved states of ParaView hold the number
 TRAVERSALS = ("breadth", "depth")
 CENTRES = ("barycentre", "incentre", "circumcentre")
 INSIDES = ("gates", "surface", "outline", "array", "all")

@@ -88,10 +88,10 @@ def _announce_compilation() -> None:
 def _append_folder() -> None:
     """Put a folder that holds numba at the end of the path: nothing in it hides what this Python has."""
     package = KERNELS.parent
-    places = [os.environ.get(FOLDER, ""), package.parents[1] / "plugin" / BESIDE, package / "paraview_plugin" / BESIDE]
-    for folder in places:
-        if folder and os.path.isdir(folder):
-            sys.path.append(str(folder))
+    beside = (package.parents[1] / "plugin" / BESIDE, package / "paraview_plugin" / BESIDE)
+    for folder in (os.environ.get(FOLDER, ""), *map(str, beside)):
+        if os.path.isdir(folder):
+            sys.path.append(folder)
             importlib.invalidate_caches()
             return
 
@@ -115,12 +115,16 @@ def compiled_without_arrays(function: Callable[..., Any]) -> Any:
 
 def inner(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call: it is kept as a part of them."""
-    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False, _nrt=True)(function)
+    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False, _nrt=True)(
+        function
+    )
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a small function into each compiled function that calls it."""
-    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=True, _nrt=False)(function)
+    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=True, _nrt=False)(
+        function
+    )
 
 
 @contextmanager

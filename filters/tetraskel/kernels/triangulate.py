@@ -186,9 +186,7 @@ def _displacements(points: Floats, joggle: float) -> Floats:
     return np.random.default_rng(JOGGLE_SEED).uniform(-1, 1, points.shape) * (joggle * diagonal)
 
 
-def _in_input_ids(
-    distinct: DistinctPoints, order: Ints, found: tuple[Ints, Ints, Ints], engine: str
-) -> Triangulation:
+def _in_input_ids(distinct: DistinctPoints, order: Ints, found: tuple[Ints, Ints, Ints], engine: str) -> Triangulation:
     """From the engine's sorted points back to the input's ids, without the points it merged."""
     simplices, neighbors, stands_for = found
     used = np.zeros(len(order), bool)

@@ -33,10 +33,10 @@ def _turn(vertices, base, width, slots):
 
 @inner
 def _is_finite(vertices, base, width, far):
+    finite = vertices[base] >= 0  # free cells have -1 there
     for k in range(width):
-        if vertices[base + k] < 0 or vertices[base + k] == far:
-            return False
-    return True
+        finite = finite and vertices[base + k] != far
+    return finite
 
 
 @inner

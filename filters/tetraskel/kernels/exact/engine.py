@@ -5,20 +5,18 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.errors import EngineError
-from tetraskel.kernels import compilation
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.exact import canonical, tetrahedra, triangles
 from tetraskel.kernels.exact.ordering import insertion_order
 from tetraskel.kernels.exact.predicates import static_bounds
-from tetraskel.kernels.exact.state import DONE, USED
 from tetraskel.kernels.exact.start import first_simplex
+from tetraskel.kernels.exact.state import DONE, USED
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

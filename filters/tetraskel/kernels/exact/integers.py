@@ -100,7 +100,8 @@ def circle_sign(typing_context, ax, ay, bx, by, cx, cy):
         wide = Wide(builder)
         a, b, c = args[0:2], args[2:4], args[4:6]
         terms = [
-            wide.times(wide.squares(p, 128), wide.cross(*q, *r, 128), 256) for p, q, r in ((a, b, c), (b, c, a), (c, a, b))
+            wide.times(wide.squares(p, 128), wide.cross(*q, *r, 128), 256)
+            for p, q, r in ((a, b, c), (b, c, a), (c, a, b))
         ]
         return wide.sign(wide.total(terms))
 

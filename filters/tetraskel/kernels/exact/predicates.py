@@ -38,9 +38,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetraskel.kernels.compilation import inlined, inner
 from tetraskel.kernels.exact import integers, limbs
+
+Floats = NDArray[np.float64]
 
 ROUNDOFF = 2.0**-53
 AREA, VOLUME, CIRCLE, SPHERE = 9 * ROUNDOFF, 49 * ROUNDOFF, 67 * ROUNDOFF, 410 * ROUNDOFF
@@ -49,7 +52,7 @@ HIGHEST = 61  # bits of the integers of stage 2
 NEVER = np.inf  # a static bound that certifies nothing
 
 
-def static_bounds(points):
+def static_bounds(points: Floats) -> tuple[float, float]:
     """Bounds of the static filters of a cloud (n, d): of the orientation and of the empty sphere."""
     size = np.ptp(points, axis=0) * (1 + 2 * ROUNDOFF)
     if size.min() < SMALL:
@@ -322,8 +325,7 @@ def _largest3(xs, ys, zs, done):
     for i in range(5):
         if (done >> i) & 1:
             continue
-        if top < 0 or xs[i] > xs[top]:
-            top = i
-        elif xs[i] == xs[top] and (ys[i] > ys[top] or (ys[i] == ys[top] and zs[i] > zs[top])):
+        beyond = ys[i] > ys[top] or (ys[i] == ys[top] and zs[i] > zs[top])
+        if top < 0 or xs[i] > xs[top] or (xs[i] == xs[top] and beyond):
             top = i
     return top

@@ -2,8 +2,8 @@
 
 A cell is four vertices, and behind each vertex the *mate* of the facet opposite it: facet k of cell c has the number
 4 c + k, and its mate is the number of the same facet seen from the other side. A vertex at infinity closes the
-triangulation: behind every hull facet is a cell with it, and all cells are positively oriented, the infinite ones in the
-sense that a point far out in their direction is.
+triangulation: behind every hull facet is a cell with it. All cells are positively oriented, the infinite ones once their
+vertex at infinity is a point far out.
 
 The slots of a cell need no tables: for every k, (k, k^1, k^2, k^3) is an even permutation of the four.
 """
@@ -101,7 +101,12 @@ def equal_vertex(points, vertices, cell, p, far):
     """The vertex of a cell that lies where a point lies, or -1; of the cells that hold the point every one has it."""
     for k in range(4):
         v = np.int64(vertices[4 * cell + k])
-        if v != far and points[3 * v] == points[3 * p] and points[3 * v + 1] == points[3 * p + 1] and points[3 * v + 2] == points[3 * p + 2]:
+        if (
+            v != far
+            and points[3 * v] == points[3 * p]
+            and points[3 * v + 1] == points[3 * p + 1]
+            and points[3 * v + 2] == points[3 * p + 2]
+        ):
             return v
     return -1
 
@@ -174,8 +179,8 @@ def _put_cell(vertices, mates, cell, facet, p):
 def build_star(vertices, mates, border, n_facets, p, stamp, seen, table, free, state):
     """Join a point to all facets of its cavity and the new cells to each other.
 
-    The border is a sphere, so it has n / 2 + 2 vertices; two new cells share the facet over each of its edges. Seen from
-    one the edge runs from the one vertex to the other, seen from the second back: the pair of vertices finds the mate.
+    The border is a sphere, so it has n / 2 + 2 vertices; two new cells share the facet over each of its edges. Seen
+    from one cell the edge runs from a to b, seen from the other back: the pair of vertices finds the mate.
     """
     n_vertices = n_facets // 2 + 2
     hashed = n_vertices > TABLE
@@ -201,7 +206,9 @@ def build_star(vertices, mates, border, n_facets, p, stamp, seen, table, free, s
 
 
 @compiled_without_arrays
-def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, stands_for, seen, table):
+def insert(
+    points, order, stop, far, bounds, vertices, mates, marks, cavity, border, free, state, stands_for, seen, table
+):
     """Insert the points `order[state[DONE]:stop]`; stops early when an array is too short for the next one."""
     while state[DONE] < stop:
         p = np.int64(order[state[DONE]])
@@ -213,9 +220,7 @@ def insert(points, order, stop, far, bounds, vertices, mates, marks, cavity, bor
             stands_for[p] = same
             state[DONE] += 1
             continue
-        n_cells, n_facets = find_cavity(
-            points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border
-        )
+        n_cells, n_facets = find_cavity(points, vertices, mates, marks, cell, p, far, bounds, stamp, cavity, border)
         if n_cells < 0 or state[USED] + n_facets > len(marks) or n_cells + state[FREE] > len(free):
             return
         build_star(vertices, mates, border, n_facets, p, stamp, seen, table, free, state)
