@@ -177,7 +177,7 @@ def as_integer(p, q, scale, back):
 
 @inlined
 def power_of_two(size):
-    """The power of two that takes differences of up to `size` to just below 2**61, and its inverse; 0 if there is none."""
+    """The power of two that takes differences of up to `size` to below 2**60, and its inverse; 0 if there is none."""
     exponent = math.frexp(size)[1]
     if not -900 < exponent < 900:
         return 0.0, 0.0

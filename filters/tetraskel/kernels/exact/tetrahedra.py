@@ -2,8 +2,8 @@
 
 A cell is four vertices, and behind each vertex the *mate* of the facet opposite it: facet k of cell c has the number
 4 c + k, and its mate is the number of the same facet seen from the other side. A vertex at infinity closes the
-triangulation: behind every hull facet is a cell with it. All cells are positively oriented, the infinite ones once their
-vertex at infinity is a point far out.
+triangulation: behind every hull facet is a cell with it. All cells are positively oriented, the infinite ones once
+their vertex at infinity is a point far out.
 
 The slots of a cell need no tables: for every k, (k, k^1, k^2, k^3) is an even permutation of the four.
 """
