@@ -198,6 +198,19 @@ def test_too_many_cells_are_an_error(monkeypatch):
         engine.delaunay(np.random.default_rng(7).random((1000, 3)))
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_lies_in_fresh_memory_does_not_matter(dim, monkeypatch):
+    """Arrays that grow several times, and hold numbers of insertions to come where nothing was written yet."""
+    points = np.random.default_rng(9).random((1500, dim))
+    expected = engine.delaunay(points)
+    monkeypatch.setattr(engine, "CELLS_PER_POINT", {2: 0, 3: 0})
+    monkeypatch.setattr(
+        engine.np, "empty", lambda shape, kind=float: np.arange(np.prod(shape)).reshape(shape).astype(kind)
+    )
+    for found, right in zip(engine.delaunay(points), expected, strict=True):
+        assert np.array_equal(found, right)
+
+
 def test_insertion_is_told_of_and_stopped():
     shares = []
 

@@ -124,7 +124,7 @@ class Cells:
             )
         for name in ("vertices", "mates", "marks", "cavity", "border", "free"):
             old = getattr(self, name)
-            wide = np.empty(n * len(old) // len(self.marks) if name in ("vertices", "mates") else n, np.int32)
+            wide = np.zeros(n * len(old) // len(self.marks) if name in ("vertices", "mates") else n, np.int32)
             wide[: len(old)] = old
             setattr(self, name, wide)
 
