@@ -73,3 +73,31 @@ class FlatTetraRemoval(vtkfilters.FlatTetraRemoval):
 @smproperty.xml(panel_xml(vtkfilters.SkeletonOutput))
 class SkeletonOutput(vtkfilters.SkeletonOutput):
     """Tree to skeleton."""
+
+
+@smproxy.filter(name="SkeletonSurface", label=label("SkeletonSurface"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.SkeletonSurface))
+class SkeletonSurface(vtkfilters.SkeletonSurface):
+    """Skeleton with radii back to the surface of its object."""
+
+
+@smproxy.filter(name="BezierSkeleton", label=label("BezierSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.BezierSkeleton))
+class BezierSkeleton(vtkfilters.BezierSkeleton):
+    """Skeleton with radii to smooth curves."""
+
+
+@smproxy.filter(name="VoronoiSkeleton", label=label("VoronoiSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.VoronoiSkeleton))
+class VoronoiSkeleton(vtkfilters.VoronoiSkeleton):
+    """Points, or a mesh with its inside, to a Voronoi skeleton."""
+
+
+@smproxy.filter(name="RasterSkeleton", label=label("RasterSkeleton"), support_reload=False)
+@smhint.xml(MENU)
+@smproperty.xml(panel_xml(vtkfilters.RasterSkeleton))
+class RasterSkeleton(vtkfilters.RasterSkeleton):
+    """A mask, or what is made into one, to its skeleton."""

@@ -2,6 +2,7 @@
 
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.bezier_skeleton import BezierSkeleton, bezier_skeleton
 from tetraskel.kernels.binary import BinaryTree, binarize
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton
@@ -11,30 +12,43 @@ from tetraskel.kernels.flat import remove_flat
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.measures import measure
+from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.outline import inside_by_outline
+from tetraskel.kernels.raster_mask import Mask, rasterise
+from tetraskel.kernels.raster_skeleton import RasterSkeleton, morphological_reversal, raster_skeleton
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
+from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
+from tetraskel.kernels.surface_error import surface_error
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
+from tetraskel.kernels.voronoi_skeleton import VoronoiSkeleton, voronoi_skeleton
 from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Aborted",
+    "BezierSkeleton",
     "BinaryTree",
     "CurveModel",
     "Denoised",
     "EngineError",
     "InputError",
     "InsideWarning",
+    "Mask",
+    "MedialMesh",
     "MeshError",
+    "RasterSkeleton",
+    "RebuiltSurface",
     "Skeleton",
     "TetraskelError",
     "Tree",
     "TreeSkeleton",
     "Triangulation",
+    "VoronoiSkeleton",
     "assemble_skeleton",
+    "bezier_skeleton",
     "binarize",
     "build_tree",
     "curve_model",
@@ -47,9 +61,16 @@ __all__ = [
     "inside_by_outline",
     "interior",
     "measure",
+    "medial_mesh",
+    "morphological_reversal",
+    "raster_skeleton",
+    "rasterise",
     "remove_flat",
+    "skeleton_surface",
     "submesh",
+    "surface_error",
     "tree_skeleton",
     "triangulate",
     "triangulation_of",
+    "voronoi_skeleton",
 ]

@@ -24,12 +24,12 @@ def option(
     bounds: tuple[float, float] | None = None,
     choices: tuple[str, ...] = (),
     when: tuple[str, str] | None = None,
-    flag: str = "",
+    flag: str | None = "",
 ) -> Any:
     """A dataclass field that carries what the faces need to show it.
 
     `when` names another option and the word of it for which this one matters (a panel hides it otherwise); `flag` is
-    its name on the command line where that is not its own.
+    its name on the command line where that is not its own, None where a command asks in another way.
     """
     metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "when": when, "flag": flag}
     return field(default=default, metadata=metadata)
@@ -151,7 +151,8 @@ class InteriorOptions(Options):
     ratio: float = option(
         2.0,
         "How many times larger than its widest door a room must be to count as the other side of a surface. Hardly "
-        "matters where the sampling is denser than the object is thick; larger values demand a denser sampling.",
+        "matters where the sampling is denser than the object is thick; larger values demand a denser sampling. "
+        "Where no room is so large and the points lie on a surface, smaller ratios are tried.",
         unit="room radius / door width",
         bounds=(1.0, 100.0),
         when=("method", "gates"),
@@ -214,4 +215,144 @@ class CurveOptions(Options):
     )
     root_point: tuple[float, ...] = option(
         (0.0, 0.0, 0.0), "The point for root = point.", unit="length of the input", when=("root", "point")
+    )
+    sheets: bool = option(
+        False,
+        "Give the medial sheets too, as triangles with radii on the third output: they lie midway between facing sides "
+        "of the object, and describe plates, which no curve does.",
+        flag=None,
+    )
+    sheet_angle: float = option(
+        120.0,
+        "Least angle between the nearest points of the surface as seen from a sheet. 180 keeps what lies between "
+        "parallel sides only; below 90 come the sheets that run into right-angled edges, then faces between "
+        "neighbouring samples; 0 keeps every face.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+        when=("sheets", "1"),
+    )
+
+
+DIMENSIONS = ("auto", "space", "plane")
+
+
+@dataclass(frozen=True)
+class SurfaceOptions(Options):
+    """Parameters of the surface rebuilt from a skeleton."""
+
+    spacing: float = option(
+        0.0,
+        "Side of the cells of the grid on which the surface is found. 0 chooses it from the radii.",
+        unit="length of the input",
+        bounds=(0.0, math.inf),
+    )
+    cells_per_radius: float = option(
+        5.0,
+        "How many cells go into a thin part's radius when the spacing is chosen: a tenth of the skeleton's length may "
+        "be thinner than that part.",
+        bounds=(0.5, 100.0),
+    )
+    max_cells: int = option(
+        1_000_000,
+        "About how many cells the surface may pass through when the spacing is chosen; time and memory grow with them.",
+        bounds=(1000, 100_000_000),
+    )
+    dimension: str = option(
+        "auto",
+        "What comes back: a closed surface (space), or the region of a plane, as its closed outline (plane). Auto goes "
+        "by the skeleton: by its number of coordinates, or by what the filter that made it says.",
+        choices=DIMENSIONS,
+    )
+    radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
+
+
+@dataclass(frozen=True)
+class BezierOptions(Options):
+    """Parameters of the smooth curves fitted to a skeleton."""
+
+    tolerance: float = option(
+        0.1,
+        "How far a curve may be from the points of its branch, in place and in radius. It stays inside the balls.",
+        unit="local radius",
+        bounds=(1e-6, 0.9),
+    )
+    samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000))
+    radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
+
+
+VORONOI_METHODS = ("sk1", "sk2", "sk3", "sk4")
+
+
+@dataclass(frozen=True)
+class VoronoiOptions(Options):
+    """Parameters of the Voronoi skeletons."""
+
+    method: str = option(
+        "sk4",
+        "Which skeleton: sk1 (Voronoi vertices inside the object), sk2 (all points of Voronoi edges, in space of "
+        "faces, inside: they are cut at the boundary), sk3 (Voronoi vertices, edges and faces wholly inside), or sk4 "
+        "(the duals of Delaunay cells inside and of their common facets and edges).",
+        choices=VORONOI_METHODS,
+    )
+    least_separation: float = option(
+        0.0,
+        "Elements whose two farthest nearest points are closer together than this are left out: branches and sheets "
+        "that run between neighbouring samples of one side (the lambda of the lambda-medial axis). 0 keeps all.",
+        unit="fraction of the bounding-box diagonal",
+        bounds=(0.0, 1.0),
+    )
+    least_angle: float = option(
+        0.0,
+        "Elements from whose widest place their two farthest nearest points are seen at a smaller angle are left out "
+        "(the separation angle, twice the bisector angle). 0 keeps all; 60 keeps what lies between two sides.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+    )
+
+
+RASTER_METHODS = ("morphological", "thinning", "distance")
+ELEMENTS = ("box", "cross")
+
+
+@dataclass(frozen=True)
+class RasterOptions(Options):
+    """Parameters of the skeletons of masks."""
+
+    method: str = option(
+        "morphological",
+        "Which skeleton: morphological (Lantuejoul's, from which dilations give back the mask exactly), thinning "
+        "(simple points are removed until lines are left; needs scikit-image), or distance (the ridge of the map of "
+        "distances to the outside).",
+        choices=RASTER_METHODS,
+    )
+    element: str = option(
+        "box",
+        "What the mask is eroded with: box (a point and all its neighbours, 3 by 3 by 3) or cross (its neighbours "
+        "across faces only).",
+        choices=ELEMENTS,
+        when=("method", "morphological"),
+    )
+    ridge_slope: float = option(
+        0.75,
+        "A point is on the ridge when the distance grows by less than this, per length, towards each of its "
+        "neighbours. Up a flank it grows by 1, along a ridge between two parallel sides by 0; smaller values keep "
+        "less.",
+        unit="slope",
+        bounds=(0.0, 1.0),
+        when=("method", "distance"),
+    )
+
+
+@dataclass(frozen=True)
+class RasterInputOptions(RasterOptions):
+    """Parameters of the skeletons of masks, with what the mask is made from."""
+
+    mask_array: str = option(
+        "", "Point array of an image that is not 0 inside; without a name the image's active scalars."
+    )
+    resolution: int = option(
+        128,
+        "For points and meshes, which are made into a mask first: grid points along the longest side of the box.",
+        unit="grid points",
+        bounds=(2, 2048),
     )

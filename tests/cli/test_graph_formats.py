@@ -10,7 +10,7 @@ import pytest
 import pyvista
 
 from paths import SAMPLES
-from tetraskel import curve_skeleton
+from tetraskel import curve_model, curve_skeleton, medial_mesh, triangulate
 from tetraskel.cli import main
 
 GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
@@ -83,6 +83,47 @@ def test_tables_and_points(tmp_path, skeletons):
     assert np.array_equal(cloud["SkeletonNodeId"], skeleton.point_nodes)
 
 
+def slab_file(folder):
+    """Random points of the larger sides and of the rim of a box 2 x 2 x 0.6, in a file."""
+    rng = np.random.default_rng(0)
+    points, axis = rng.random((2500, 3)) * [2, 2, 0.6], rng.choice(3, 2500, p=[0.15, 0.15, 0.7])
+    points[np.arange(2500), axis] = rng.integers(0, 2, 2500) * np.array([2, 2, 0.6])[axis]
+    np.save(folder / "slab.npy", points + rng.normal(0, 1e-4, (2500, 3)))
+    return folder / "slab.npy"
+
+
+@pytest.mark.parametrize(("suffix", "options"), [(".vtp", []), (".vtk", ["--sheet-angle", "60"])])
+def test_sheets_are_written_beside_the_skeleton(tmp_path, suffix, options):
+    file, sheets = slab_file(tmp_path), tmp_path / f"sheets{suffix}"
+    assert main(["skeleton", str(file), str(tmp_path / "s.vtp"), "--sheets", str(sheets), *options]) == 0
+    expected = medial_mesh(curve_model(triangulate(np.load(file))), **({"sheet_angle": 60} if options else {}))
+    written = pyvista.read(sheets)
+    digits = 0 if suffix == ".vtp" else 1e-5  # the older format is text with few digits
+    assert np.allclose(written.points, expected.points, rtol=digits, atol=digits)
+    assert np.array_equal(written.faces.reshape(-1, 4)[:, 1:], expected.triangles)
+    assert np.allclose(written["MaximumInscribedSphereRadius"], expected.radius, rtol=digits, atol=0)
+    assert np.allclose(written["ObjectAngle"], expected.angle, rtol=digits, atol=0)
+
+
+@pytest.mark.parametrize("flag", ["--points", "--sheets"])
+def test_no_output_is_written_over_an_input_or_another_output(tmp_path, capsys, monkeypatch, flag):
+    monkeypatch.chdir(tmp_path)
+    pyvista.PolyData(np.eye(3)).save("in.vtp")
+    pyvista.PolyData(np.eye(3)).save("walls.vtp")
+    before = (tmp_path / "in.vtp").read_bytes()
+    surface = ["--inside", "surface", "--boundary", "walls.vtp"]
+    for arguments, message in (
+        (["o.vtp", flag, "in.vtp"], "expected an output beside the input, got 'in.vtp' for both"),
+        (["o.vtp", flag, str(tmp_path / "walls.vtp"), *surface], "expected an output beside the input"),
+        (["o.vtp", flag, "o.vtp"], "expected a file for each output, got 'o.vtp' for two"),
+        (["o.vtp", "--points", "p.vtp", "--sheets", "p.vtp"], "expected a file for each output, got 'p.vtp' for two"),
+    ):
+        assert main(["skeleton", "in.vtp", *arguments]) == 2
+        assert message in capsys.readouterr().err
+    assert (tmp_path / "in.vtp").read_bytes() == before
+    assert not (tmp_path / "o.vtp").exists()
+
+
 def test_the_paper_s_skeleton_is_a_method(tmp_path):
     tree = pyvista.read(written("y_tube", tmp_path / "t.vtp", "--method", "tree"))
     assert "SubtreeSize" in tree.point_data
@@ -110,15 +151,25 @@ def test_measure_prints_a_table_and_json(tmp_path, capsys):
             ["skeleton", "in.csv", "o.vtp", "--method", "tree", "--points", "p.vtp"],
             "expected --points with",
         ),
+        (["skeleton", "in.csv", "o.vtp", "--method", "tree", "--sheets", "s.vtp"], "expected --sheets with"),
+        (["skeleton", "in.csv", "o.vtp", "--sheets", "s.ply"], "expected an output file ending in .vtp .vtk"),
+        (["skeleton", "in.csv", "o.vtp", "--sheets", "nowhere/s.vtp"], "expected a folder to write into"),
+        (["skeleton", "in.csv", "o.vtp", "--sheet-angle", "200"], "sheet_angle must lie between 0 and 180; got 200"),
         (["skeleton", "in.csv", "o.vtp", "--edges", "e.txt"], "expected an output file ending in .csv"),
         (["skeleton", "in.csv", "o.vtp", "--detail", "2"], "detail must lie between 0 and 1; got 2"),
         (["measure", "in.csv", "in.csv"], "expected lines with the point array MaximumInscribedSphereRadius"),
-        (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none"),
+        (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none in 50 points"),
+        (["skeleton", "three.csv", "o.vtp"], "expected an object with an inside, got none in 3 points"),
+        (["skeleton", "four.csv", "o.vtp"], "expected an object with an inside, got none in 4 points"),
+        (["skeleton", "flat.csv", "o.vtp"], "expected an object with an inside, got none in 50 points"),
     ],
 )
 def test_bad_use_is_one_line(tmp_path, capsys, monkeypatch, arguments, message):
     monkeypatch.chdir(tmp_path)
-    np.savetxt("in.csv", np.random.default_rng(0).random((50, 3)), delimiter=",")
+    cloud = np.random.default_rng(0).random((50, 3))
+    flat = cloud * [1, 1, 0]
+    for name, points in {"in": cloud, "flat": flat, "three": np.eye(3), "four": np.eye(4)[:, :3]}.items():
+        np.savetxt(f"{name}.csv", points, delimiter=",")
     assert main(arguments) == 2
     told = capsys.readouterr().err.splitlines()
     assert message in told[-1]

@@ -49,6 +49,30 @@ def test_inside_follows_the_cloud(ring, change):
     assert np.array_equal(sorted_cells(moved, ids), expected)
 
 
+@pytest.mark.parametrize(("inner", "outer"), [(3000, 3000), (6000, 2000), (1500, 9000)])
+def test_a_ring_with_unlike_gaps_on_both_sides_is_found(inner, outer):
+    rng = np.random.default_rng(inner)
+    angles = rng.uniform(0, 2 * np.pi, inner + outer)
+    radii = np.where(np.arange(inner + outer) < inner, 1.5, 2.5)
+    mesh = triangulate(radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    assert np.array_equal(interior(mesh), has_both(mesh, 2.0))
+
+
+def has_both(mesh, radius):
+    """Triangles with corners on both sides of a circle."""
+    outside = np.linalg.norm(mesh.points, axis=1)[mesh.simplices] > radius
+    return outside.any(axis=1) & ~outside.all(axis=1)
+
+
+@pytest.mark.parametrize("n", [300, 1000])
+def test_few_points_of_a_surface_are_enough_and_it_is_said(n):
+    mesh = triangulate(torus().sample(n, np.random.default_rng(5)))
+    with pytest.warns(InsideWarning, match="times larger than its door"):
+        inside = interior(mesh, ratio=4.0)
+    assert overlap(mesh, inside, torus()) > 0.85
+    assert euler_characteristic(mesh.simplices[inside]) == torus().euler
+
+
 def test_a_missing_patch_smaller_than_half_the_object_closes():
     points = torus().sample(8000, np.random.default_rng(13))
     top = np.array([1.0, 0, 0.4])

@@ -9,20 +9,43 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
-from tetraskel import assemble_skeleton, build_tree, curve_skeleton, interior, remove_flat, triangulate
+from tetraskel import (
+    assemble_skeleton,
+    bezier_skeleton,
+    build_tree,
+    curve_model,
+    curve_skeleton,
+    interior,
+    medial_mesh,
+    remove_flat,
+    skeleton_surface,
+    surface_error,
+    triangulate,
+)
 from tetraskel.kernels.centres import circumballs
 from tetraskel.kernels.compilation import BESIDE, FOLDER, numba_is_used
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
+    BezierOptions,
     CurveOptions,
     DelaunayOptions,
     FlatOptions,
     InteriorCellsOptions,
     SkeletonOptions,
+    SurfaceOptions,
     TreeOptions,
 )
 
-OPTIONS = (CurveOptions, DelaunayOptions, InteriorCellsOptions, TreeOptions, FlatOptions, SkeletonOptions)
+OPTIONS = (
+    CurveOptions,
+    DelaunayOptions,
+    InteriorCellsOptions,
+    TreeOptions,
+    FlatOptions,
+    SkeletonOptions,
+    SurfaceOptions,
+    BezierOptions,
+)
 CHAIN = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
 import sys
@@ -104,8 +127,9 @@ def test_plugin_is_found_through_a_link(pvpython, tmp_path):
 def test_defaults_are_those_of_the_options(pvpython):
     script = """
 LoadPlugin(PLUGIN, remote=False, ns=globals())
-for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput()):
-    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary"}):
+for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput(),
+              SkeletonSurface(), BezierSkeleton()):
+    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary", "Original"}):
         value = proxy.GetPropertyValue(name)
         print(name, str(value).strip("'").lower().replace(" ", ""))
 """
@@ -200,7 +224,80 @@ print(curve.GetDataInformation().GetNumberOfPoints())
     assert int(done.stdout) == len(curve_skeleton(cloud, detail=1))
 
 
-KERNELS = ["branch_table", "centres", "decode", "flat", "outline", "predicates", "skeleton", "tree", "triangulate"]
+def test_curves_and_surface_of_a_skeleton_are_those_of_the_kernels(pvpython, tmp_path):
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+import numpy as np
+from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
+skeleton = XMLPolyDataReader(FileName="skeleton.vtp")
+curves = BezierSkeleton(Input=skeleton, Tolerance=0.05)
+surface = SkeletonSurface(Input=curves, Original=skeleton, CellsPerRadius=3)
+lines, pieces = (WrapDataObject(servermanager.Fetch(curves, idx=port)) for port in (0, 1))
+rebuilt = WrapDataObject(servermanager.Fetch(surface))
+np.savez("out.npz", points=lines.Points, curvature=lines.PointData["Curvature"], control=pieces.Points,
+         surface=rebuilt.Points, branch=rebuilt.PointData["BranchId"])
+print(rebuilt.FieldData["ErrorMean"][0])
+"""
+    axis = np.linspace(0, 3, 30)
+    points = np.stack([axis, np.sin(axis), 0.3 * axis**2], axis=1)
+    line = pyvista.PolyData(points, lines=[30, *range(30)])
+    line["MaximumInscribedSphereRadius"] = 0.3 + 0.05 * axis
+    line.save(tmp_path / "skeleton.vtp")
+    done = pvpython(script)
+    assert done.stderr == ""
+    out = np.load(tmp_path / "out.npz")
+    edges = np.stack([np.arange(29), np.arange(1, 30)], axis=1)
+    curves = bezier_skeleton((points, edges, 0.3 + 0.05 * axis), tolerance=0.05)
+    surface = skeleton_surface(curves.skeleton, cells_per_radius=3)
+    assert np.allclose(out["points"], curves.skeleton.points, atol=1e-6)
+    assert np.allclose(out["curvature"], curves.curvature, rtol=1e-4, atol=1e-6)
+    assert len(out["control"]) == 4 * len(curves)
+    assert out["surface"].shape == surface.points.shape
+    assert np.allclose(out["surface"], surface.points, atol=1e-5)
+    assert float(done.stdout) == pytest.approx(surface_error(surface, points)["ErrorMean"], rel=1e-4)
+
+
+def test_the_sheets_are_a_third_output_by_name(pvpython, tmp_path):
+    rng = np.random.default_rng(0)
+    ways = rng.normal(size=(1500, 3))
+    lens = ways / np.linalg.norm(ways, axis=1, keepdims=True) * [1, 1, 0.4]
+    pyvista.PolyData(lens).save(tmp_path / "lens.vtp")
+    script = """
+LoadPlugin(PLUGIN, remote=False, ns=globals())
+import numpy as np
+from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
+curve = CurveSkeleton(Input=XMLPolyDataReader(FileName="lens.vtp"))
+curve.UpdatePipeline()
+print(servermanager.Fetch(curve, idx=2).GetNumberOfPoints())
+curve.Sheets = 1
+curve.UpdatePipeline()
+sheets = WrapDataObject(servermanager.Fetch(OutputPort(curve, "Sheets"), idx=2))
+np.savez("out.npz", points=sheets.Points, radius=sheets.PointData["MaximumInscribedSphereRadius"],
+         angle=sheets.CellData["ObjectAngle"])
+print([curve.SMProxy.GetOutputPortName(k) for k in range(curve.SMProxy.GetNumberOfOutputPorts())])
+"""
+    done = pvpython(script)
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == ["0", "['Skeleton', 'Points', 'Sheets']"]
+    out, expected = np.load(tmp_path / "out.npz"), medial_mesh(curve_model(triangulate(lens)))
+    assert np.allclose(out["points"], expected.points, atol=1e-9)
+    assert np.allclose(out["radius"], expected.radius, atol=1e-9)
+    assert np.allclose(out["angle"], expected.angle, atol=1e-6)
+
+
+KERNELS = [
+    "branch_table",
+    "centres",
+    "decode",
+    "flat",
+    "outline",
+    "predicates",
+    "skeleton",
+    "tree",
+    "triangulate",
+    "skeleton_surface",
+    "bezier_skeleton",
+]
 
 
 def test_kernels_and_filters_pass_their_tests_inside(pvpython, missing):

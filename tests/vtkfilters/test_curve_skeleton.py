@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
-from tetraskel import InputError, curve_skeleton, measure, triangulate
+from tetraskel import Aborted, InputError, curve_model, curve_skeleton, measure, medial_mesh, triangulate
 from tetraskel.kernels import curve
 from tetraskel.kernels.triangulate import available_engine
-from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
+from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells, base
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_points
 from tetraskel.vtkfilters.curve_skeleton import skeleton_from
 
@@ -136,6 +138,82 @@ def test_another_detail_is_drawn_from_the_same_model(monkeypatch):
     assert len(made) == 2
 
 
+def slab(n=2500):
+    """Random points of a box 2 x 2 x 0.6."""
+    rng = np.random.default_rng(0)
+    sides = np.array([2, 2, 0.6])
+    points, axis = rng.random((n, 3)) * sides, rng.choice(3, n, p=[0.15, 0.15, 0.7])
+    points[np.arange(n), axis] = rng.integers(0, 2, n) * sides[axis]
+    return points + rng.normal(0, 1e-4, (n, 3))
+
+
+def test_sheets_are_the_third_output_where_asked_for(monkeypatch):
+    from tetraskel.vtkfilters import curve_skeleton as module
+
+    points = slab()
+    step = skeleton_step(polydata(points))
+    step.run()
+    assert step.GetOutputDataObject(2).GetNumberOfPoints() == 0
+    model = curve_model(triangulate(points))
+    monkeypatch.setattr(module, "curve_model", None)  # the sheets come from the model there is
+    for options in ({}, {"sheet_angle": 60.0}):
+        expected = medial_mesh(model, **options)
+        step.sheets = True
+        step.sheet_angle = options.get("sheet_angle", step.sheet_angle)
+        step.run()
+        data = step.GetOutputDataObject(2)
+        assert len(expected) > 500
+        assert np.array_equal(points_of(data), expected.points)
+        assert np.array_equal(simplices_of(data)[:, :3], expected.triangles)
+        assert np.array_equal(array_of(data.GetPointData(), "MaximumInscribedSphereRadius"), expected.radius)
+        assert np.array_equal(array_of(data.GetCellData(), "ObjectAngle"), expected.angle)
+    step.sheets = False
+    step.run()
+    assert step.GetOutputDataObject(2).GetNumberOfPoints() == 0
+
+
+def test_sheets_of_the_plane_are_an_empty_output_with_its_arrays():
+    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    step = skeleton_step(polydata(np.concatenate([ring, 0.6 * ring])), sheets=True)
+    assert step.run().GetNumberOfPoints() > 0
+    assert array_of(step.GetOutputDataObject(2).GetPointData(), "MaximumInscribedSphereRadius").shape == (0,)
+
+
+def test_another_detail_finds_no_sheets_again(monkeypatch):
+    from tetraskel.vtkfilters import curve_skeleton as module
+
+    made = []
+    monkeypatch.setattr(module, "medial_mesh", lambda *given, **more: made.append(1) or medial_mesh(*given, **more))
+    step = skeleton_step(polydata(slab()), sheets=True)
+    for detail in (0.5, 1.0):
+        step.detail = detail
+        step.run()
+    assert len(made) == 1
+
+
+@pytest.mark.parametrize("stage", ["Triangulating", "Drawing the skeleton together", "Finding the sheets"])
+def test_a_stop_is_honoured_within_a_second(monkeypatch, stage):
+    """In each stage, as the button of ParaView does it."""
+    monkeypatch.setattr(base, "PROGRESS_SECONDS", 0.0)
+    step = skeleton_step(polydata(slab(4000)), sheets=True)
+    asked = []
+
+    def ask(*_):
+        if step.GetProgressText() == stage and not asked:
+            step.SetAbortExecute(1)
+            asked.append(time.monotonic())
+
+    step.AddObserver("ProgressEvent", ask)
+    with pytest.raises(Aborted):
+        step.run()
+    assert time.monotonic() - asked[0] < 1
+    assert all(step.GetOutputDataObject(port).GetNumberOfPoints() == 0 for port in range(3))
+    step.SetAbortExecute(0)
+    step.Modified()
+    assert step.run().GetNumberOfPoints() > 0
+
+
 def test_surfaces_keep_their_cells_on_the_second_output():
     source = vtkSphereSource()
     source.SetThetaResolution(20)
@@ -161,6 +239,9 @@ def test_a_skeleton_read_back_measures_the_same():
     [
         (np.random.default_rng(1).random((300, 3)), "expected an object with an inside, got none"),
         ([[0, 0, 0], [1, 0, 0]], "expected at least 3 distinct points"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "expected an object with an inside, got none in 3 points"),
+        (np.eye(4)[:, :3], "expected an object with an inside, got none in 4 points"),
+        ([[0, 0, 0], [1, 1, 1], [2, 2, 2], [3, 3, 3]], "on one line"),
         ([[0, 0, 0], [1, np.nan, 0]], "with NaN"),
     ],
 )

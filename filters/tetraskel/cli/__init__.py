@@ -8,10 +8,19 @@ import sys
 from collections.abc import Sequence
 
 from tetraskel import __version__
-from tetraskel.cli import measure, plugin_path, skeleton, tree
+from tetraskel.cli import bezier, measure, plugin_path, raster, skeleton, surface, tree, voronoi
 from tetraskel.errors import TetraskelError
 
-COMMANDS = {"tree": tree, "skeleton": skeleton, "measure": measure, "plugin-path": plugin_path}
+COMMANDS = {
+    "tree": tree,
+    "skeleton": skeleton,
+    "voronoi": voronoi,
+    "raster": raster,
+    "surface": surface,
+    "bezier": bezier,
+    "measure": measure,
+    "plugin-path": plugin_path,
+}
 BAD_USAGE, INTERRUPTED = 2, 130
 
 

@@ -9,14 +9,21 @@ from tetraskel.options import Options
 
 
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:
-    """One `--name` for every option, with its default, unit and meaning; of several with one name the first."""
+    """One `--name` for every option, with its default, unit and meaning; none for those a command asks otherwise.
+
+    Of several options with one name the first counts.
+    """
     seen: set[str] = set()
     for options in option_sets:
         group = parser.add_argument_group(options.__doc__.rstrip("."))
-        for declared in fields(options):
+        for declared in _asked(options):
             if _name(declared) not in seen:
                 _add_option(group, declared)
             seen.add(_name(declared))
+
+
+def _asked(options: type[Options]) -> list:
+    return [declared for declared in fields(options) if declared.metadata["flag"] is not None]
 
 
 def _add_option(group, declared) -> None:
@@ -41,6 +48,6 @@ def _name(declared) -> str:
 
 def values(chosen: argparse.Namespace, options: type[Options]) -> dict:
     """The values of one option set among the parsed arguments, checked."""
-    picked = {declared.name: getattr(chosen, _name(declared)) for declared in fields(options)}
+    picked = {declared.name: getattr(chosen, _name(declared)) for declared in _asked(options)}
     options(**picked)
     return picked

@@ -108,8 +108,9 @@ def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData
     doubles = f" ({merged.GetValue(0):,} merged)" if merged is not None and merged.GetValue(0) else ""
     found = [result.GetFieldData().GetArray(name) for name in ("Components", "Loops")]
     loops = ", {} pieces, {} loops".format(*(int(array.GetValue(0)) for array in found)) if all(found) else ""
+    sheets = f", {result.GetNumberOfPolys():,} faces" if result.GetNumberOfPolys() else ""
     cells = f", its own {source.GetNumberOfCells():,} cells" if from_cells else ""
     return (
         f"{chosen.input}: {source.GetNumberOfPoints():,} points{doubles}{cells} -> "
-        f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines{loops}"
+        f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines{sheets}{loops}"
     )

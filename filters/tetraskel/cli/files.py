@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,8 +23,8 @@ DATA_SETS = (".vtp", ".vtu", ".vtk", ".vti", ".ply", ".obj", ".stl")
 UNCHECKED = (".obj", ".stl", ".ply")  # VTK reads nothing from a broken one, and does not say so
 
 
-def read(path: str) -> vtkPointSet:
-    """The points (and cells) of a file.
+def read(path: str, *, images: bool = False) -> vtkPointSet:
+    """The points (and cells) of a file; an image as its grid points unless `images` are wanted as they are.
 
     Raises
     ------
@@ -38,10 +38,10 @@ def read(path: str) -> vtkPointSet:
     if not file.is_file():
         kind = "is a folder" if file.is_dir() else "does not exist"
         raise InputError(f"expected a file to read, got {path!r}, which {kind}.")
-    return _read_points(file) if suffix in TABLES else _read_data_set(file)
+    return _read_points(file) if suffix in TABLES else _read_data_set(file, images)
 
 
-def _read_data_set(file: Path) -> vtkPointSet:
+def _read_data_set(file: Path, images: bool) -> vtkPointSet:
     import pyvista
 
     try:
@@ -51,6 +51,8 @@ def _read_data_set(file: Path) -> vtkPointSet:
         raise InputError(f"{str(file)!r} cannot be read as {file.suffix}: {_first_line(str(error))}") from error
     if caught.events:
         raise InputError(f"{str(file)!r} cannot be read as {file.suffix}: {_first_line(caught.events[0].alert)}")
+    if isinstance(data, pyvista.ImageData) and images:
+        return data
     if isinstance(data, pyvista.ImageData):
         data = data.cast_to_structured_grid()
     if not isinstance(data, vtkPointSet):
@@ -86,20 +88,18 @@ def _read_points(file: Path) -> vtkPolyData:
     return data
 
 
-def writer_for(path: str, source: str) -> Callable[[vtkPolyData], None]:
-    """What writes polygonal data to `path`; asked for before any work is done.
+def writer_for(path: str, source: str, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
+    """What writes polygonal data to `path`, with one of `writers` by suffix; asked for before any work is done.
 
     Raises
     ------
     InputError
         When the suffix is unknown, the file cannot be written, or is the `source` itself.
     """
-    file = Path(path)
-    check_output(path, tuple(WRITERS))
-    if file.exists() and Path(source).exists() and file.samefile(source):
-        raise InputError(f"expected an output beside the input, got {path!r} for both.")
-
-    return replace_to(path, WRITERS[file.suffix.lower()])
+    writers = WRITERS if writers is None else writers
+    check_output(path, tuple(writers))
+    check_apart([path], [source])
+    return replace_to(path, writers[Path(path).suffix.lower()])
 
 
 def check_output(path: str, suffixes: tuple[str, ...]) -> None:
@@ -113,6 +113,20 @@ def check_output(path: str, suffixes: tuple[str, ...]) -> None:
         raise InputError(f"expected a file to write, got {path!r}, which is a folder.")
     if not os.access(file if file.exists() else file.resolve().parent, os.W_OK):
         raise InputError(f"expected a place to write to, got {path!r}, which is read-only.")
+
+
+def check_apart(outputs: Sequence[str], inputs: Sequence[str]) -> None:
+    """Raise `InputError` when an output would be written over an input, or two outputs into one file."""
+    for k, path in enumerate(outputs):
+        if any(_is_same(path, other) for other in inputs):
+            raise InputError(f"expected an output beside the input, got {path!r} for both.")
+        if any(_is_same(path, other) for other in outputs[:k]):
+            raise InputError(f"expected a file for each output, got {path!r} for two.")
+
+
+def _is_same(first: str, second: str) -> bool:
+    a, b = Path(first), Path(second)
+    return a.resolve() == b.resolve() or (a.exists() and b.exists() and a.samefile(b))
 
 
 def replace_file(file: Path, write: Callable[[Path], None]) -> None:
@@ -144,7 +158,8 @@ def _umask() -> int:
     return mask
 
 
-def _write_vtk(writer, data: vtkPolyData, path: Path) -> None:
+def write_vtk(writer, data: vtkPolyData, path: Path) -> None:
+    """Let one of VTK's writers write."""
     writer.SetInputData(data)
     writer.SetFileName(str(path))
     if writer.Write() != 1:
@@ -152,10 +167,15 @@ def _write_vtk(writer, data: vtkPolyData, path: Path) -> None:
 
 
 WRITERS = {
-    ".vtp": lambda data, path: _write_vtk(vtkXMLPolyDataWriter(), data, path),
-    ".vtk": lambda data, path: _write_vtk(vtkPolyDataWriter(), data, path),
+    ".vtp": lambda data, path: write_vtk(vtkXMLPolyDataWriter(), data, path),
+    ".vtk": lambda data, path: write_vtk(vtkPolyDataWriter(), data, path),
     ".csv": write_csv,
     ".swc": write_swc,
     ".graphml": write_graphml,
     ".ply": write_ply,
 }
+
+
+def write_by_suffix(data: vtkPolyData, path: Path) -> None:
+    """Write to a path with one of the suffixes of `WRITERS`."""
+    WRITERS[path.suffix.lower()](data, path)

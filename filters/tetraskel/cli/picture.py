@@ -13,7 +13,7 @@ FEW = 500  # points so few that each is to be seen
 
 
 def draw(source: vtkPointSet, result: vtkPolyData, path: str) -> None:
-    """Draw `result` coloured by depth among the points of `source` and save it as PNG."""
+    """Draw `result` coloured by depth or radius among the points of `source` and save it as PNG."""
     import pyvista
 
     with silent_log():
@@ -24,11 +24,15 @@ def draw(source: vtkPointSet, result: vtkPolyData, path: str) -> None:
             cloud = pyvista.PolyData(pyvista.wrap(source).points)
             plotter.add_mesh(cloud, color="#5b6b7a", point_size=size, render_points_as_spheres=True)
         if result.GetNumberOfPoints():
-            bar = {"color": "black", "fmt": "%.0f", "n_labels": 3, "vertical": True, "height": 0.5, "title": "Depth\n"}
+            name = "Depth" if result.GetPointData().HasArray("Depth") else "MaximumInscribedSphereRadius"
+            title, form = ("Depth\n", "%.0f") if name == "Depth" else ("Radius\n", "%.2g")
+            bar = {"color": "black", "fmt": form, "n_labels": 3, "vertical": True, "height": 0.5, "title": title}
             width = 6 if result.GetNumberOfPoints() < FEW else 2
-            plotter.add_mesh(
-                pyvista.wrap(result), scalars="Depth", cmap="viridis", line_width=width, scalar_bar_args=bar
-            )
+            if result.GetPointData().HasArray(name):
+                style = {"scalars": name, "cmap": "viridis", "scalar_bar_args": bar}
+            else:
+                style = {"color": "#e8c39e", "scalars": None, "opacity": 0.5}
+            plotter.add_mesh(pyvista.wrap(result), line_width=width, **style)
         if _is_flat(source):
             plotter.view_xy()
         else:

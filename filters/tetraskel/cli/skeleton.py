@@ -13,6 +13,12 @@ from tetraskel.cli.arguments import add_options, values
 from tetraskel.errors import InputError
 from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
+PORTS = {"points": 1, "sheets": 2}  # of the filter; all else is made from the skeleton
+CURVE_ONLY = {
+    "points": "a tree's nodes are no parts of a surface",
+    "sheets": "a tree has none",
+}
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel skeleton` takes."""
@@ -23,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--edges", metavar="FILE", help="also write the edges as .csv, by rows of the table of nodes")
     parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
     parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
+    parser.add_argument("--sheets", metavar="FILE", help="curve: also write the medial sheets as .vtp or .vtk")
     add_inside(parser)
     add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
     parser.set_defaults(inside=None, denoise=None)
@@ -45,19 +52,24 @@ def run(chosen: argparse.Namespace) -> None:
 
 def _extra_writers(chosen: argparse.Namespace) -> dict:
     """Writers of the files asked for beside the skeleton, checked before any work."""
-    from tetraskel.cli.files import WRITERS, check_output, replace_to
+    from tetraskel.cli.files import check_apart, check_output, replace_to, write_by_suffix
     from tetraskel.cli.graph_formats import write_branch_table, write_edges_csv
 
-    if chosen.points and chosen.method == "tree":
-        raise InputError("expected --points with --method curve only; a tree's nodes are no parts of a surface.")
+    for name, reason in CURVE_ONLY.items():
+        if getattr(chosen, name) and chosen.method == "tree":
+            raise InputError(f"expected --{name} with --method curve only; {reason}.")
+    tables, meshes = (".csv",), (".vtp", ".vtk")
     wanted = {
-        "edges": (chosen.edges, ".csv", write_edges_csv),
-        "table": (chosen.table, ".csv", write_branch_table),
-        "points": (chosen.points, ".vtp", WRITERS[".vtp"]),
+        "edges": (chosen.edges, tables, write_edges_csv),
+        "table": (chosen.table, tables, write_branch_table),
+        "points": (chosen.points, meshes[:1], write_by_suffix),
+        "sheets": (chosen.sheets, meshes, write_by_suffix),
     }
-    for path, suffix, _ in wanted.values():
+    for path, suffixes, _ in wanted.values():
         if path:
-            check_output(path, (suffix,))
+            check_output(path, suffixes)
+    paths = [chosen.output, *(path for path, _, _ in wanted.values() if path)]
+    check_apart(paths, [path for path in (chosen.input, chosen.boundary) if path])
     return {name: replace_to(path, write) for name, (path, _, write) in wanted.items() if path}
 
 
@@ -79,10 +91,10 @@ def _curve(chosen: argparse.Namespace, extras: dict) -> None:
     from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh
 
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
-    curve = CurveSkeleton(**values(chosen, CurveOptions))
+    curve = CurveSkeleton(**values(chosen, CurveOptions), sheets=chosen.sheets is not None)
     inside = interior_cells(chosen)
     for step in inside:
         step.extract = False
     run_chain(chosen, [mesh, *inside, curve])
     for name, write in extras.items():
-        write(curve.GetOutputDataObject(1 if name == "points" else 0))
+        write(curve.GetOutputDataObject(PORTS.get(name, 0)))

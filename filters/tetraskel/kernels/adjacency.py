@@ -27,7 +27,7 @@ def facet_neighbors(simplices: Ints) -> NDArray[np.int32]:
     m, width = simplices.shape
     if m == 0:
         return np.empty((0, width), np.int32)
-    numbers = _scramble(simplices.astype(np.uint64))
+    numbers = scramble(simplices.astype(np.uint64))
     keys = (numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers).ravel()
     order = np.argsort(keys, kind="stable")
     same = np.flatnonzero(keys[order[1:]] == keys[order[:-1]])
@@ -45,7 +45,7 @@ def is_mesh(simplices: Ints, neighbors: Ints) -> bool:
     what the other says, and among the facets of the lower simplex of each pair no sum may come twice.
     """
     m = len(simplices)
-    numbers = _scramble(simplices.astype(np.uint64))
+    numbers = scramble(simplices.astype(np.uint64))
     keys = numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers
     cells = np.broadcast_to(np.arange(m)[:, None], neighbors.shape)
     lower, upper = neighbors > cells, (neighbors >= 0) & (neighbors < cells)
@@ -59,10 +59,10 @@ def is_mesh(simplices: Ints, neighbors: Ints) -> bool:
 
 def _pair_numbers(low: Ints, high: Ints, m: int) -> NDArray[np.uint64]:
     """A random-looking number for each pair of simplices."""
-    return _scramble(low.astype(np.uint64) * np.uint64(m) + high.astype(np.uint64))
+    return scramble(low.astype(np.uint64) * np.uint64(m) + high.astype(np.uint64))
 
 
-def _scramble(ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def scramble(ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """The finaliser of splitmix64 (Steele, Lea, Flood 2014): a bijection of 64-bit numbers without visible order."""
     mixed = ids + np.uint64(0x9E3779B97F4A7C15)
     mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

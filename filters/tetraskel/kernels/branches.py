@@ -22,12 +22,17 @@ Ints = NDArray[np.integer]
 
 FINEST = 0.015  # significance below which no branch is looked for
 LEAST_EXCESS = 0.006  # of the diagonal: no branch reaches out of its parent's ball by less
-JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
+# A path joins a drawn node when it comes this close, in its radii; the end of a line from farther: the line goes on
+# then, and leaves no stub.
+JOIN, JOIN_END = 0.5, 0.75
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
 # first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
 # where the path goes straight on, to the tip of a slender limb.
 TIP = (0.5, 0.2)
-LONGER = 0.5  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
+LONGER = 0.45  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
+# The farthest tip may be a spur on the way to an end far beyond, as seen along the way (in radii where the spur leaves
+# it): one that pokes out of the balls on that way by less than this share of the nearest gives way to that end.
+SPUR, BEYOND = 0.5, 8.0
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
 SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
@@ -141,7 +146,7 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
         tick(done / len(tree.roots))
         mine = candidates[tree.component[candidates] == component]
         start = core.nodes[component_of_core == component]
-        found += _grow(tree.parent, balls, start, mine, diagonals[component], tick)
+        found += _grow((tree.parent, tip), Exposure(balls, mine), start, diagonals[component], tick)
     found.sort(key=lambda branch: -branch[0])  # stable: components in order
     return Branches(
         [edges for _, _, edges in found],
@@ -179,27 +184,28 @@ def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
 
 
 def _grow(
-    parent: Ints, balls: Balls, start: Ints, candidates: Ints, diagonal: float, tick: Tick
+    tree: tuple[Ints, Ints], exposure: Exposure, start: Ints, diagonal: float, tick: Tick
 ) -> list[tuple[float, int, Ints]]:
-    """Branches of one component: significance, tip, edges.
+    """Branches of one component, from each node's parent and farthest tip: significance, tip, edges.
 
     A bump that is fatter than it pokes out is worth less by the root of that, and no branch more than the one it
     grows from.
     """
-    kept = start
-    exposure = Exposure(balls, candidates)
+    kept, balls = start, exposure.balls
     exposure.cover(kept)
     found: list[tuple[float, int, Ints]] = []
     on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
     limit, ends = np.inf, list[int]()
+    root = start[:1].tolist() if len(start) == 1 else []  # an end, too, until a second limb goes on from it
+    joints = root.copy()  # ends of lines, which others go on from
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
         if len(values) == 0:
             return found
-        best = int(values.argmax())
-        limit = min(limit, float(values[best]))
-        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, kept)
+        best = _no_spur(tree, exposure, int(values.argmax()))
+        limit = min(limit, float(values.max()))
+        path = _path_to_skeleton(tree[0], balls, int(exposure.candidates[best]), on_skeleton, (kept, joints))
         excess = float(exposure.excess[0, best])
         path = path[_end_of_tip(balls, path, TIP_SHARE * excess) :]
         exposure.excess[:, best] = -np.inf
@@ -207,9 +213,12 @@ def _grow(
             continue
         fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
         worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
-        if path[-1] in ends:
+        if found and path[-1] in root and excess > balls.radii[root[0]]:
+            root = []
+        if path[-1] in ends or (found and path[-1] in root):
             worth *= LONGER
         ends.append(int(path[0]))
+        joints.append(int(path[0]))
         found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
         exposure.add_end(int(path[0]))
         on_skeleton.update(dict.fromkeys(path[:-1].tolist(), worth))
@@ -228,8 +237,37 @@ def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
     return path[chosen]
 
 
-def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], kept: Ints) -> Ints:
-    """Nodes from a tip up to the skeleton: to where the path enters a ball, then straight to its node."""
+def _no_spur(tree: tuple[Ints, Ints], exposure: Exposure, best: int) -> int:
+    """Place of this candidate, or of the one at the end of the way that it is a spur of."""
+    (parent, tip), balls = tree, exposure.balls
+    while True:
+        spur = int(exposure.candidates[best])
+        base = spur
+        while base >= 0 and tip[base] == spur:
+            base = int(parent[base])
+        if base < 0:
+            return best
+        farther = np.flatnonzero(exposure.candidates == tip[base])
+        if len(farther) == 0:
+            return best
+        way = [int(tip[base])]
+        while way[-1] != base:
+            way.append(int(parent[way[-1]]))
+        steps = np.diff(balls.positions[way], axis=0)
+        if np.sqrt((steps**2).sum(axis=1)).sum() < BEYOND * balls.radii[base]:
+            return best
+        away = np.sqrt(((balls.positions[way] - balls.positions[spur]) ** 2).sum(axis=1)) - balls.radii[way]
+        nearest = int(away.argmin())
+        if away[nearest] + balls.radii[spur] > SPUR * balls.radii[way[nearest]]:
+            return best
+        best = int(farther[0])
+
+
+def _path_to_skeleton(
+    parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], drawn: tuple[Ints, list[int]]
+) -> Ints:
+    """Nodes from a tip up to the skeleton (nodes, ends of lines): to where the path enters a ball, then to its node."""
+    kept, joints = drawn
     path = [tip]
     while path[-1] not in on_skeleton:
         path.append(int(parent[path[-1]]))
@@ -238,7 +276,10 @@ def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[in
     near = np.flatnonzero(away < JOIN * balls.radii[kept[nearest]])
     if len(near) == 0 or near[0] >= len(nodes) - 1:
         return nodes
-    return np.append(nodes[: near[0] + 1], kept[nearest[near[0]]])
+    ends = np.array(joints, dtype=np.int64)
+    gaps = np.sqrt(((balls.positions[ends] - balls.positions[nodes[near[0]]]) ** 2).sum(axis=1))
+    ends = ends[gaps < JOIN_END * balls.radii[ends]]
+    return np.append(nodes[: near[0] + 1], ends[0] if len(ends) else kept[nearest[near[0]]])
 
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:

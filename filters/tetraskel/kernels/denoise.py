@@ -26,10 +26,10 @@ FEWEST = 12  # nearest points of the smallest fit
 # vertices of meshes of smooth shapes 0.01 to 0.02, noise of half a spacing 0.2), below the second a surface is
 # recognised, above the third the points fill a volume at every scale.
 CLEAN, RECOGNISED, NO_SURFACE = 0.04, 0.2, 0.23
-REACH = 9.0  # a point is fitted to those within this many standard deviations of the noise
+REACH = 8.0  # a point is fitted to those within this many standard deviations of the noise
 MOST = 256  # and to no more than these
 APART = 1.5  # standard deviations between the points that are kept
-AGAIN, ROUNDS = 48, 2  # nearest points of the fits that follow among those kept, and how often
+AGAIN, ROUNDS = 100, 3  # nearest points of the fits that follow among those kept, and how often
 BENT = 1.2  # what is left grows by more than this in fits to twice the points where bends make it; noise does not grow
 LEAST_POINTS = 100  # fewer say nothing about noise
 RIDGE = 1e-9  # of the trace: keeps the fit of points on one line solvable
@@ -125,6 +125,15 @@ def estimated_noise(cloud: Cloud) -> float:
         share, left = _left_after_fits(cloud, places, k)
         best = min(best, (share, left))
     return best[1] if best[0] < NO_SURFACE else 0.0
+
+
+def lies_on_surface(points: Floats) -> bool:
+    """Whether (n, d) points lie on a surface (3D) or a curve (2D), with or without noise; False for few points."""
+    cloud = Cloud(points[morton_order(points)])
+    if cloud.n < 4 * FEWEST:
+        return False
+    places = cloud.points[_evenly(cloud.n, SAMPLES)]
+    return _left_after_fits(cloud, places, FEWEST)[0] < NO_SURFACE
 
 
 def _evenly(n: int, some: int) -> Ints:

@@ -47,6 +47,8 @@ class GateTree:
         Radius of the largest room behind that gate.
     narrowest : (b,) float
         Width of the narrowest gate from that gate to that room.
+    near_room : (b,) float
+        Radius of the largest room found behind that gate without passing one that is much narrower.
     facet : (b,) int
         The gate itself as simplex * (d+1) + opposite vertex, -1 at the root.
     own_room : (b,) float
@@ -58,6 +60,7 @@ class GateTree:
     width: Floats
     room_radius: Floats
     narrowest: Floats
+    near_room: Floats
     facet: Ints
     own_room: Floats
 
@@ -95,12 +98,17 @@ def gate_tree_of(neighbors: Ints, widths: Floats, rooms: Floats, tick: Tick = si
     own_room = np.zeros(basins.count)
     np.maximum.at(own_room, basins.of_simplex[:-1], rooms)
     room_radius, narrowest = _largest_rooms(tree, width, own_room)
+    near_room = _largest_rooms(tree, width, own_room, width / NEARLY_NARROWEST)[0]
     tick(0.9)
-    return GateTree(basins, tree, width, room_radius, narrowest, facet, own_room)
+    return GateTree(basins, tree, width, room_radius, narrowest, near_room, facet, own_room)
 
 
-def _largest_rooms(tree: RootedTree, width: Floats, own_room: Floats) -> tuple[Floats, Floats]:
+def _largest_rooms(
+    tree: RootedTree, width: Floats, own_room: Floats, least: Floats | None = None
+) -> tuple[Floats, Floats]:
     """Largest room behind each gate, and the narrowest gate on the way to it.
+
+    With `least` a gate hears of no room whose way from there is narrower than its `least`.
 
     Strategy: deepest level first, each family of sons hands its best to the parent; sons are side by side, so a
     family is one segment of `reduceat`. Of equal rooms the one with the wider way counts.
@@ -109,10 +117,11 @@ def _largest_rooms(tree: RootedTree, width: Floats, own_room: Floats) -> tuple[F
     for level in tree.levels[:0:-1]:
         narrowest[level] = np.minimum(narrowest[level], width[level])
         parents = tree.parent[level]
+        told = radius[level] if least is None else np.where(narrowest[level] < least[parents], 0, radius[level])
         first = np.flatnonzero(np.diff(parents, prepend=-1))
         families = parents[first]
-        best = np.maximum.reduceat(radius[level], first)
-        is_best = radius[level] == np.repeat(best, np.diff(first, append=len(level)))
+        best = np.maximum.reduceat(told, first)
+        is_best = told == np.repeat(best, np.diff(first, append=len(level)))
         way = np.maximum.reduceat(np.where(is_best, narrowest[level], 0), first)
         larger = best > radius[families]
         radius[families[larger]], narrowest[families[larger]] = best[larger], way[larger]
@@ -160,8 +169,8 @@ def inside_by_gates(
     least_width : float or (b,) float
         Gates narrower than this, in the unit of the points, count as so wide: noise leaves rooms that small.
     """
-    wide_enough = tree.room_radius > ratio * np.maximum(tree.width, least_width)
-    is_door = wide_enough & (tree.width <= NEARLY_NARROWEST * tree.narrowest)
+    door = ratio * np.maximum(tree.width, least_width)
+    is_door = (tree.room_radius > door) & (tree.width <= NEARLY_NARROWEST * tree.narrowest) | (tree.near_room > door)
     regions = _regions(tree, is_door)
     inside = _opposite_sides(tree, regions, ratio)
     return inside[regions[tree.basins.of_simplex[:-1]]]

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.chunks import Tick, silent
-from tetraskel.kernels.gates import gate_tree, inside_by_gates
+from tetraskel.kernels.denoise import lies_on_surface
+from tetraskel.kernels.gates import GateTree, gate_tree, inside_by_gates
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.noise import noise_at_gates
 from tetraskel.kernels.outline import checked_outline, even_odd
@@ -23,6 +24,9 @@ Bools = NDArray[np.bool_]
 # points that fill an area less than half do, however the gates divide them; in space gates find no room in a volume of
 # points anyway (none in a million uniform ones), so less is asked there.
 LEAST_SHARE = {2: 0.5, 3: 0.3}
+# Tried one after another when no room is as many times larger than its door as asked: the widest of the gaps between
+# few random points is not much narrower than the object is thick. In a volume of points this finds rooms, too.
+SPARSE_RATIOS = (1.5, 1.25, 1.02)
 
 
 def interior(
@@ -64,7 +68,7 @@ def interior(
     Warns
     -----
     InsideWarning
-        When nothing lies inside.
+        When nothing lies inside, or only rooms smaller than asked do.
     """
     InteriorOptions(method=method, ratio=ratio, noise=noise)
     if method == "all" or len(mesh) == 0:
@@ -89,6 +93,15 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
     tree = gate_tree(mesh, tick=lambda done: tick(0.9 * done))
     least_width = noise * noise_at_gates(mesh, tree) if noise else 0.0
     inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
+    if not inside.any() and lies_on_surface(mesh.coordinates):
+        inside, lowered = _by_smaller_ratio(tree, ratio, least_width)
+        if inside.any():
+            warnings.warn(
+                f"no room is {ratio:g} times larger than its door; taken for inside is what is {lowered:g} times "
+                "larger, as the points are few for the thickness of the object.",
+                InsideWarning,
+                stacklevel=3,
+            )
     inside = smaller_surface(mesh, inside)
     share = surface_share(mesh, inside)
     if inside.any() and share >= LEAST_SHARE[mesh.dim]:
@@ -104,6 +117,16 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
         advice = "try method 'all', or a smaller ratio"
     warnings.warn(f"nothing lies inside: {reason}; {advice}.", InsideWarning, stacklevel=3)
     return np.zeros(len(mesh), bool)
+
+
+def _by_smaller_ratio(tree: GateTree, ratio: float, least_width: NDArray[np.float64] | float) -> tuple[Bools, float]:
+    """The inside by the first of the smaller ratios that finds one, and that ratio."""
+    for lowered in SPARSE_RATIOS:
+        if lowered < ratio:
+            inside = inside_by_gates(tree, ratio=lowered, least_width=least_width)
+            if inside.any():
+                return inside, lowered
+    return np.zeros(len(tree.basins.of_simplex) - 1, bool), ratio
 
 
 def surface_share(mesh: Triangulation, inside: Bools) -> float:

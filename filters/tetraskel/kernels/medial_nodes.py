@@ -254,7 +254,7 @@ def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Ti
     homes = _homes(coordinates, simplices, neighbors, centres, seen_through, lambda share: tick(0.3 + 0.7 * share))
     homes[np.isnan(circumradii)] = -1
     flat = relative_volumes(coordinates, simplices) < FLAT
-    _borrow_centres(neighbors, flat, centres, circumradii, homes)
+    borrow_centres(neighbors, flat, centres, circumradii, homes)
     return _with_barycentres(coordinates, simplices, centres, circumradii, homes)
 
 
@@ -272,7 +272,7 @@ def relative_volumes(coordinates: Floats, simplices: Ints) -> Floats:
     return result
 
 
-def _borrow_centres(neighbors: Ints, flat: Bools, centres: Floats, circumradii: Floats, homes: Ints) -> None:
+def borrow_centres(neighbors: Ints, flat: Bools, centres: Floats, circumradii: Floats, homes: Ints) -> None:
     """Give flat simplices the centre of a neighbour, in place, one ring of simplices after another.
 
     Four points almost on one circle, as the mirrored vertices of a symmetric mesh are, have no centre of their own:

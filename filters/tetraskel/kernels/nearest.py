@@ -30,7 +30,7 @@ class Cloud:
         try:
             from scipy.spatial import cKDTree
         except ImportError as error:
-            raise EngineError("the curve skeleton needs the package scipy, which is not installed.") from error
+            raise EngineError("finding nearest points needs the package scipy, which is not installed.") from error
         return cKDTree(self.points, compact_nodes=False, balanced_tree=False)
 
     def query(self, places: Floats, k: int = 1) -> tuple[Floats, Ints]:

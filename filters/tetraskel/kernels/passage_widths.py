@@ -113,17 +113,32 @@ def _facet_widths(corners: Floats) -> Floats:
     return np.stack([triangle_widths(squares[of_facet]) for of_facet in edges])
 
 
-def _rooms(corners: Floats) -> Floats:
-    """(k,) room radii from (d, d+1, k) corners."""
+def circumscribed(corners: Floats) -> tuple[Floats, Floats, Bools]:
+    """Circumcentres relative to the first corner, from (d, d+1, k) corners, before the division.
+
+    Returns
+    -------
+    centre : (d, k) float
+        Times 2 volume.
+    volume : (k,) float
+        Signed, times d!; 0 where there is no circumcentre.
+    contained : (k,) bool
+        The simplex contains its circumcentre.
+    """
     sides = corners[:, 1:] - corners[:, :1]
     normals, volume = _cofactors(sides)
     lengths = np.einsum("aik,aik->ik", sides, sides)
-    centre = np.einsum("ik,aik->ak", lengths, normals)  # times 2 volume: from corner 0 to the circumcentre
+    centre = np.einsum("ik,aik->ak", lengths, normals)
     weights = np.einsum("ak,aik->ik", centre, normals)  # times 2 volume^2: its barycentric coordinates but the first
     whole = 2 * volume * volume
     lowest = np.minimum(weights.min(axis=0), whole - weights.sum(axis=0))
+    return centre, volume, (lowest >= -ON_FACET * whole) & (whole > 0)
+
+
+def _rooms(corners: Floats) -> Floats:
+    """(k,) room radii from (d, d+1, k) corners."""
+    centre, volume, is_room = circumscribed(corners)
     radii = np.zeros(corners.shape[2])
-    is_room = (lowest >= -ON_FACET * whole) & (whole > 0)
     np.divide(np.sqrt(np.einsum("ak,ak->k", centre, centre)), 2 * np.abs(volume), out=radii, where=is_room)
     return radii
 

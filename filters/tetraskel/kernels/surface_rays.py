@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-PAIRS = 1 << 22  # entries of a distance matrix at a time
+SURFACE_PAIRS = 1 << 22  # entries of a distance matrix at a time
 SLACK = 1e-9  # of a triangle's size: rays through an edge meet both triangles rather than none
 
 
@@ -51,7 +51,7 @@ def nearest_on_surface(surface: Surface, places: Floats) -> Floats:
         away = _distances(places[rows], surface.centres)
         bound = (away + surface.reaches).min(axis=1, keepdims=True)
         place, triangle = np.nonzero(away - surface.reaches <= bound * (1 + SLACK))
-        found = _nearest_in_triangles(places[rows][place], surface.corners[triangle])
+        found = nearest_in_triangles(places[rows][place], surface.corners[triangle])
         order = np.lexsort([((found - places[rows][place]) ** 2).sum(axis=1), place])
         nearest[rows] = found[order[np.flatnonzero(np.diff(place[order], prepend=-1))]]
     return nearest
@@ -97,7 +97,7 @@ def surface_samples(surface: Surface, n: int) -> Floats:
 
 
 def _chunks(n: int, width: int) -> list[slice]:
-    step = max(PAIRS // max(width, 1), 1)
+    step = max(SURFACE_PAIRS // max(width, 1), 1)
     return [slice(start, min(start + step, n)) for start in range(0, n, step)]
 
 
@@ -123,7 +123,7 @@ def _hit_distances(origin: Floats, way: Floats, corners: Floats) -> Floats:
     return np.where(met, (v * turned).sum(axis=1) / scale, -np.inf)
 
 
-def _nearest_in_triangles(places: Floats, corners: Floats) -> Floats:
+def nearest_in_triangles(places: Floats, corners: Floats) -> Floats:
     """(k, 3) nearest point of each place's triangle: the foot of the perpendicular, or the best of its three edges."""
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)

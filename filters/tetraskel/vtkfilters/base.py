@@ -42,6 +42,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     output_type = "vtkPolyData"
     second_input = ()  # name, port, data type and meaning of an optional second input
     n_outputs = 1
+    output_names = ()  # of several outputs, as a panel shows them
 
     def __init_subclass__(cls, **keywords):
         super().__init_subclass__(**keywords)

@@ -11,6 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from tetraskel.errors import InputError
 from tetraskel.kernels.curve import CurveModel, curve_model, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton, line_edges
+from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
@@ -31,17 +32,19 @@ class CurveSkeleton(SkeletonFilter):
 
     Points need no normals and no closed mesh; cells of polygonal data are not looked at. A mesh of tetrahedra or of
     triangles in an unstructured grid is taken as it is: inside where its cell array Inside is not 0, or everywhere.
-    The second output is the input's points with the skeleton point and the branch they belong to. Changing the detail
-    or the root draws from what was computed before.
+    The second output is the input's points with the skeleton point and the branch they belong to, the third, where
+    asked for, the medial sheets. Changing the detail, the root or the sheets draws from what was computed before.
     """
 
     options = CurveOptions
     input_doc = "Points on the surface of an object, or a mesh with a cell array Inside."
-    n_outputs = 2
+    n_outputs = 3
+    output_names = ("Skeleton", "Points", "Sheets")
 
     def __init__(self, **values):
         self._model: CurveModel | None = None
         self._made_from: tuple | None = None
+        self._sheets: tuple[float, MedialMesh] | None = None
         super().__init__(**values)
 
     def execute(self, inputs, outputs):
@@ -49,17 +52,27 @@ class CurveSkeleton(SkeletonFilter):
         source = inputs[0]
         key = (source, source.GetMTime(), self.loop_spacings, self.denoise)
         if self._made_from != key:
-            self._model, self._made_from = None, None
+            self._model, self._made_from, self._sheets = None, None, None
             self._model = self._compute(source)
             self._made_from = key
         root = self.root_point if self.root == "point" else self.root
         skeleton = draw_curve(self._model, detail=self.detail, root=root)
         fill_skeleton(outputs[0], skeleton)
         outputs[0].GetFieldData().PassData(source.GetFieldData())
+        add_facts(outputs[0], {"Dimension": self._model.inner.mesh.dim})
         if not holds_simplices(source):  # a mesh brings these facts from where it was made
             mesh = self._model.inner.mesh
             add_facts(outputs[0], {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged, "Noise": mesh.noise})
         _fill_points(source, outputs[1], skeleton)
+        if self.sheets:
+            fill_sheets(outputs[2], self._medial_mesh())
+
+    def _medial_mesh(self):
+        """The sheets of the model at this angle; another detail needs no others."""
+        if self._sheets is None or self._sheets[0] != self.sheet_angle:
+            tick = self.tick("Finding the sheets", 0.9, 1.0)
+            self._sheets = (self.sheet_angle, medial_mesh(self._model, sheet_angle=self.sheet_angle, tick=tick))
+        return self._sheets[1]
 
     def _compute(self, source):
         if holds_simplices(source):
@@ -84,6 +97,15 @@ def fill_skeleton(output: vtkPolyData, skeleton) -> None:
     output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
     facts = {"Components": skeleton.components, "Loops": skeleton.loops, "LoopsRefused": skeleton.loops_refused}
     add_facts(output, {**facts, "Cavities": skeleton.cavities})
+
+
+def fill_sheets(output: vtkPolyData, sheets: MedialMesh) -> None:
+    """Medial sheets as triangles with radii on the points and object angles on the cells."""
+    output.SetPoints(to_points(sheets.points))
+    output.SetPolys(to_cells(sheets.triangles))
+    add_arrays(output.GetPointData(), {"MaximumInscribedSphereRadius": sheets.radius})
+    add_arrays(output.GetCellData(), {"ObjectAngle": sheets.angle})
+    output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
 
 
 def skeleton_from(data: vtkPolyData) -> Skeleton:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields
 from xml.sax.saxutils import escape, quoteattr
 
@@ -15,7 +16,8 @@ def panel_xml(cls) -> str:
     first = _input("Input", 0, cls.input_type, cls.input_doc, "")
     second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
     properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
-    return "\n".join([_documentation(cls), first, second, properties])
+    ports = "".join(f'<OutputPort name="{name}" index="{k}"/>' for k, name in enumerate(cls.output_names))
+    return "\n".join([_documentation(cls), first, second, properties, ports])
 
 
 def label(name: str) -> str:
@@ -85,4 +87,5 @@ def _domain(declared) -> str:
         return ""
     kind = "DoubleRangeDomain" if isinstance(declared.default, float) else "IntRangeDomain"
     low, high = metadata["bounds"]
-    return f'<{kind} name="range" min="{low}" max="{high}"/>'
+    upper = f' max="{high}"' if math.isfinite(high) else ""
+    return f'<{kind} name="range" min="{low}"{upper}/>'

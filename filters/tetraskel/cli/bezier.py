@@ -1,0 +1,51 @@
+"""A skeleton with radii to smooth curves: cubic Bezier pieces, inside its own balls.
+
+OUT holds lines sampled from the curves, with the arrays of a curve skeleton and Curvature and Torsion.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from tetraskel.cli.arguments import add_options, values
+from tetraskel.options import BezierOptions
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What `tetraskel bezier` takes."""
+    parser.add_argument("input", metavar="IN", help="a skeleton with radii: .vtp .vtk .swc")
+    parser.add_argument("output", metavar="OUT", help="sampled lines: .vtp .vtk .swc .graphml .ply .csv")
+    parser.add_argument("--pieces", metavar="FILE", help="also write the exact curves as Bezier cells, .vtu")
+    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_options(parser, BezierOptions)
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Fit and write."""
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    from tetraskel.cli.chain import prepared, run_filters
+    from tetraskel.cli.files import check_output, replace_to, write_vtk
+    from tetraskel.cli.picture import draw
+    from tetraskel.cli.swc import read_skeleton
+    from tetraskel.vtkfilters import BezierSkeleton
+
+    step = BezierSkeleton(**values(chosen, BezierOptions))
+    if chosen.pieces:
+        check_output(chosen.pieces, (".vtu",))
+    write = prepared(chosen)
+    source = read_skeleton(chosen.input, chosen.radius_array)
+    result = run_filters(source, [step])
+    write(result)
+    if chosen.pieces:
+        write_pieces = replace_to(
+            chosen.pieces, lambda data, path: write_vtk(vtkXMLUnstructuredGridWriter(), data, path)
+        )
+        write_pieces(step.GetOutputDataObject(1))
+    if getattr(chosen, "png", None):
+        draw(source, result, chosen.png)
+    n_pieces = result.GetFieldData().GetArray("Pieces").GetValue(0)
+    print(
+        f"{chosen.input}: {source.GetNumberOfPoints():,} points -> {chosen.output}: {int(n_pieces):,} cubic pieces in "
+        f"{result.GetNumberOfLines():,} branches, {result.GetNumberOfPoints():,} points"
+    )

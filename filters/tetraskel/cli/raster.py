@@ -1,0 +1,42 @@
+"""A mask, or points or a mesh made into one, to its morphological, thinned or distance skeleton.
+
+An image (.vti) is inside where its point array is not 0. Anything else is made into a mask of the given resolution,
+its inside found from the points alone, or as --inside says.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tetraskel.cli.arguments import add_options, values
+from tetraskel.options import DelaunayOptions, RasterInputOptions
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What `tetraskel raster` takes."""
+    from tetraskel.cli.chain import add_files, add_inside
+
+    add_files(parser)
+    add_options(parser, RasterInputOptions)
+    add_inside(parser)
+    parser.set_defaults(inside="gates")
+    add_options(parser, DelaunayOptions)
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Make and write the skeleton."""
+    from tetraskel.cli.chain import finish, interior_cells, prepared, run_chain, run_filters
+    from tetraskel.cli.files import read
+    from tetraskel.vtkfilters import DelaunayMesh, RasterSkeleton
+
+    step = RasterSkeleton(**values(chosen, RasterInputOptions))
+    if Path(chosen.input).suffix.lower() == ".vti" and not chosen.points_only:
+        write = prepared(chosen)
+        source = read(chosen.input, images=True)
+        finish(chosen, source, run_filters(source, [step]), write, from_cells=False)
+        return
+    inside = interior_cells(chosen)
+    for one in inside:
+        one.extract = False
+    run_chain(chosen, [DelaunayMesh(**values(chosen, DelaunayOptions)), *inside, step])

@@ -1,0 +1,71 @@
+"""A skeleton with radii back to the surface of its object.
+
+In space a watertight surface; in the plane the closed outline of the region, with the region as triangles. With
+--against the error in percent of the original's diagonal is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from tetraskel.cli.arguments import add_options, values
+from tetraskel.options import SurfaceOptions
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What `tetraskel surface` takes."""
+    parser.add_argument("input", metavar="IN", help="a skeleton with radii: .vtp .vtk .swc")
+    parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
+    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
+    add_options(parser, SurfaceOptions)
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Rebuild, write, and say how near it comes."""
+    from tetraskel.cli.chain import run_filters
+    from tetraskel.cli.files import check_output, read, writer_for
+    from tetraskel.cli.picture import draw
+    from tetraskel.cli.swc import read_skeleton
+    from tetraskel.vtkfilters import SkeletonSurface
+
+    step = SkeletonSurface(**values(chosen, SurfaceOptions))
+    if getattr(chosen, "png", None):
+        check_output(chosen.png, (".png",))
+    write = writer_for(chosen.output, chosen.input, _writers())
+    source = read_skeleton(chosen.input, chosen.radius_array)
+    if chosen.against:
+        step.SetInputDataObject(1, read(chosen.against))
+    result = run_filters(source, [step])
+    write(result)
+    if getattr(chosen, "png", None):
+        draw(source, result, chosen.png)
+    print(_summary(chosen, source, result))
+
+
+def _writers() -> dict:
+    from vtkmodules.vtkIOGeometry import vtkOBJWriter, vtkSTLWriter
+    from vtkmodules.vtkIOPLY import vtkPLYWriter
+
+    from tetraskel.cli.files import WRITERS, write_vtk
+
+    others = {".ply": vtkPLYWriter, ".obj": vtkOBJWriter, ".stl": vtkSTLWriter}
+    return {
+        **{suffix: WRITERS[suffix] for suffix in (".vtp", ".vtk")},
+        **{suffix: lambda data, path, kind=kind: write_vtk(kind(), data, path) for suffix, kind in others.items()},
+    }
+
+
+def _summary(chosen: argparse.Namespace, source, result) -> str:
+    facts = result.GetFieldData()
+    lines = f"{result.GetNumberOfLines():,} outlines, " if result.GetNumberOfLines() else ""
+    text = (
+        f"{chosen.input}: {source.GetNumberOfPoints():,} balls -> {chosen.output}: {lines}"
+        f"{result.GetNumberOfPolys():,} triangles, cells of {facts.GetArray('Spacing').GetValue(0):g}"
+    )
+    words = {"Error": "from the original", "BackError": "to the original"}
+    for name, way in words.items():
+        if facts.GetArray(f"{name}Mean") is not None:
+            mean, largest = (facts.GetArray(f"{name}{kind}").GetValue(0) for kind in ("Mean", "Max"))
+            text += f"; distance {way} {mean:.3g} % of its diagonal, at most {largest:.3g} %"
+    return text

@@ -1,0 +1,166 @@
+"""Which Voronoi vertices lie inside the object, and which parts of Voronoi edges.
+
+Voronoi edges that do not cross the boundary join vertices of one side. Each connected piece of them is labelled by what
+is known for certain of its vertices: a crossing says which of its ends is inside, and a simplex that contains its own
+circumcentre says where that lies.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.kernels.medial_nodes import barycentric_coordinates, walk_to
+from tetraskel.kernels.voronoi_crossings import Crossings
+from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
+
+# An edge that meets the boundary within this share of its length from an end does so at that end: the end lies on the
+# boundary up to rounding.
+AT_END = 1e-9
+# Barycentric coordinates down to this below 0 still count as inside the simplex a walk ended in.
+ABOUT = 1e-6
+
+
+def vertices_inside(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
+    """(m + h,) positions of the diagram that lie in the object; circumcentres on its boundary do."""
+    piece = _pieces(diagram, crossings)
+    votes = _votes(diagram, crossings, piece)
+    _ask_the_rest(diagram, piece, votes)
+    inside = np.zeros(len(diagram.positions), bool)
+    inside[: len(piece)] = votes[piece] > 0
+    inside[: len(piece)][diagram.centred & diagram.inside] = True
+    return inside
+
+
+def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
+    """(m,) connected piece of each circumcentre along edges that do not cross the boundary."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    m, width = diagram.simplices.shape
+    joined = diagram.neighbors >= 0
+    crossed = diagram.on_boundary.copy()
+    crossed[crossings.edges] = True
+    joined &= ~crossed[diagram.edge_of_half].reshape(m, width)
+    starts = np.concatenate([[0], np.cumsum(joined.sum(axis=1))])
+    graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _votes(diagram: VoronoiDiagram, crossings: Crossings, piece: Ints) -> Ints:
+    """For each piece 1 where all that is known of it says inside, -1 where all says outside, else 0."""
+    m, n_pieces = len(piece), int(piece.max(initial=-1)) + 1
+    certain = np.flatnonzero(diagram.centred)
+    voters, signs = [certain], [diagram.inside[certain]]
+    edges, entering = crossings.edges, crossings.entering
+    usable = _alternating(crossings, len(diagram.ends))[edges]
+    first = np.flatnonzero((np.diff(edges, prepend=-1) != 0) & usable)
+    last = np.flatnonzero((np.diff(edges, append=-1) != 0) & usable)
+    voters.append(diagram.ends[edges[first], 0])
+    signs.append(~entering[first])
+    finite = last[diagram.ends[edges[last], 1] < m]
+    voters.append(diagram.ends[edges[finite], 1])
+    signs.append(entering[finite])
+    voted, says = piece[np.concatenate(voters)], np.concatenate(signs)
+    for_inside, against = np.zeros(n_pieces, bool), np.zeros(n_pieces, bool)
+    for_inside[voted[says]] = True
+    against[voted[~says]] = True
+    return for_inside.astype(np.int8) - against
+
+
+def _alternating(crossings: Crossings, n_edges: int) -> Bools:
+    """(f,) edges that enter and leave by turns, always through a facet."""
+    edges, entering = crossings.edges, crossings.entering
+    result = np.ones(n_edges, bool)
+    result[edges[~crossings.sure]] = False
+    result[edges[1:][(edges[1:] == edges[:-1]) & (entering[1:] == entering[:-1])]] = False
+    return result
+
+
+def plain_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:
+    """(f,) Voronoi edges of which all crossings are known: they agree with one another and with the ends."""
+    result = inside[diagram.ends[:, 0]] == inside[diagram.ends[:, 1]]
+    edges, entering = crossings.edges, crossings.entering
+    result[edges] = True
+    result[edges[1:][(edges[1:] == edges[:-1]) & (entering[1:] == entering[:-1])]] = False
+    first, last = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
+    result[edges[first & (inside[diagram.ends[edges, 0]] == entering)]] = False
+    result[edges[last & (inside[diagram.ends[edges, 1]] != entering)]] = False
+    return result
+
+
+def _ask_the_rest(diagram: VoronoiDiagram, piece: Ints, votes: Ints) -> None:
+    """Pieces of which nothing is known: walk to one circumcentre of each, in place."""
+    first = np.full(len(votes), -1, np.int64)
+    first[piece[::-1]] = np.arange(len(piece))[::-1]
+    unknown = np.flatnonzero((votes == 0) & (first >= 0))
+    start = first[unknown]
+    votes[unknown] = np.where(locate(diagram, start, diagram.positions[start]), 1, -1)
+
+
+def locate(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Bools:
+    """(k,) whether places lie in the object, by a walk to each from a simplex."""
+    homes = walk_to(diagram.coordinates, diagram.simplices, diagram.neighbors, start, spots)
+    found = (homes >= 0) & np.append(diagram.inside, False)[homes]
+    rows = np.flatnonzero(found)  # a walk that circles among flat simplices ends anywhere
+    weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[homes[rows]], spots[rows])
+    found[rows] = weights.min(axis=1) >= -ABOUT
+    return found
+
+
+def touching(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:
+    """(k,) crossings that are none: the edge ends on the boundary, at a vertex that counts as inside."""
+    ends = diagram.ends[crossings.edges]
+    at_first = (crossings.places <= AT_END) & inside[ends[:, 0]]
+    at_last = (crossings.places >= 1 - AT_END) & inside[ends[:, 1]]
+    return at_first | at_last
+
+
+def edges_wholly_inside(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:
+    """(f,) Voronoi edges with no point outside."""
+    whole = inside[diagram.ends[:, 0]] & inside[diagram.ends[:, 1]]
+    whole[crossings.edges[~touching(diagram, crossings, inside)]] = False
+    return np.asarray(whole)
+
+
+def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edges: Ints, places: Floats) -> Bools:
+    """(k,) whether the point at a share of the way along each Voronoi edge lies inside.
+
+    Before the first crossing it is as the edge's first end, after the last as its last end; between two it is inside
+    where the edge enters at the one and leaves at the other.
+    """
+    first, last = np.searchsorted(crossings.edges, edges), np.searchsorted(crossings.edges, edges + 1)
+    keys = crossings.edges + 0.5 * crossings.places  # ascending; an edge's keys are below the next one's
+    at = np.searchsorted(keys, edges + 0.5 * places)
+    result = inside[diagram.ends[edges, 0]].copy()
+    beyond = (last > first) & (at == last)
+    result[beyond] = inside[diagram.ends[edges[beyond], 1]]
+    between = (at > first) & (at < last)
+    after = at[between]
+    result[between] = crossings.entering[after - 1] & ~crossings.entering[after]
+    return result
+
+
+def pieces_of_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> tuple[Ints, Floats]:
+    """Parts of Voronoi edges inside the object: their edges (s,), and first and last place on them (s, 2).
+
+    Between two crossings lies the object where the edge enters at the first and leaves at the second.
+    """
+    edges, places, entering = crossings.edges, crossings.places, crossings.entering
+    crossed = np.zeros(len(diagram.ends), bool)
+    crossed[edges] = True
+    whole = np.flatnonzero(inside[diagram.ends[:, 0]] & inside[diagram.ends[:, 1]] & ~crossed)
+    begins, finishes = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
+    from_first = np.flatnonzero(begins & ~entering & inside[diagram.ends[edges, 0]])
+    to_last = np.flatnonzero(finishes & entering & inside[diagram.ends[edges, 1]])
+    between = np.flatnonzero(entering[:-1] & ~entering[1:] & ~begins[1:])
+    found = np.concatenate([whole, edges[from_first], edges[to_last], edges[between]])
+    start = np.concatenate([np.zeros(len(whole) + len(from_first)), places[to_last], places[between]])
+    stop = np.concatenate([np.ones(len(whole)), places[from_first], np.ones(len(to_last)), places[between + 1]])
+    order = np.lexsort([start, found])
+    kept = order[(stop > start)[order]]
+    return found[kept], np.stack([start[kept], stop[kept]], axis=1)

@@ -1,0 +1,77 @@
+"""The filter that draws one of the four Voronoi skeletons."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from tetraskel.errors import InsideWarning
+from tetraskel.kernels.interior import interior
+from tetraskel.kernels.triangulate import triangulate
+from tetraskel.kernels.voronoi_skeleton import voronoi_skeleton
+from tetraskel.options import VoronoiOptions
+from tetraskel.vtkfilters.base import SkeletonFilter
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    holds_simplices,
+    mesh_of,
+    points_of,
+    to_cells,
+    to_points,
+)
+
+
+class VoronoiSkeleton(SkeletonFilter):
+    """Points of a surface, or a mesh with a cell array Inside, to one of the four Voronoi skeletons of the object.
+
+    Sk1 is the Voronoi vertices inside, sk2 all of the Voronoi edges and faces that is inside, sk3 the Voronoi elements
+    wholly inside, sk4 the duals of the Delaunay cells inside. In space the result has sheets. A mesh of tetrahedra or
+    of triangles in an unstructured grid is taken as it is: inside where its cell array Inside is not 0, or everywhere.
+    The inside of points is found by gates.
+    """
+
+    options = VoronoiOptions
+    input_doc = "Points on the surface of an object, or a mesh with a cell array Inside."
+
+    def execute(self, inputs, outputs):
+        """Draw the skeleton."""
+        source, output = inputs[0], outputs[0]
+        given = holds_simplices(source)
+        mesh, inside = self._mesh(source) if given else self._object_of(points_of(source))
+        skeleton = voronoi_skeleton(
+            mesh,
+            inside=inside,
+            **{name: getattr(self, name) for name in ("method", "least_separation", "least_angle")},
+            tick=self.tick("Drawing the Voronoi skeleton", 0.0 if given else 0.6, 1.0),
+        )
+        _fill(output, skeleton)
+        output.GetFieldData().PassData(source.GetFieldData())
+        if not given:  # a mesh brings these facts from where it was made
+            add_facts(output, {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
+
+    def _mesh(self, source):
+        return mesh_of(source), array_of(source.GetCellData(), "Inside")
+
+    def _object_of(self, points):
+        mesh = triangulate(points, tick=self.tick("Triangulating", 0.0, 0.4))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
+            return mesh, interior(mesh, tick=self.tick("Telling inside from outside", 0.4, 0.6))
+
+
+def _fill(output, skeleton):
+    """Vertices, lines and polygons with radii, and what each element was judged by."""
+    output.SetPoints(to_points(skeleton.points))
+    if len(skeleton.vertices):
+        output.SetVerts(to_cells(skeleton.vertices[:, None]))
+    if len(skeleton.lines):
+        output.SetLines(to_cells(skeleton.lines))
+    if skeleton.n_polygons:
+        output.SetPolys(to_cells(skeleton.connectivity, skeleton.offsets))
+    points = {"MaximumInscribedSphereRadius": skeleton.radius, "CellId": skeleton.cells.astype(np.int64)}
+    add_arrays(output.GetPointData(), points)
+    add_arrays(output.GetCellData(), {"Separation": skeleton.separation, "SeparationAngle": skeleton.angle})
+    output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
