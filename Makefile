@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
 
-.PHONY: demo test check format format-check lint types bench clean
+.PHONY: demo test check format format-check lint types bench paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -29,7 +29,7 @@ types: $(READY)
 	$(BIN)/mypy
 
 bench: $(READY)
-	$(BIN)/python benchmarks/tree_speed.py
+	$(BIN)/python benchmarks/run.py --out docs
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -43,5 +43,11 @@ $(READY): pyproject.toml
 	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --target $@ pytest hypothesis; \
 	fi
 
+# numba for a ParaView whose Python has the version of $(PYTHON): beside the plugin, which looks for it there; without
+# dependencies, because ParaView brings its own NumPy (the versions are those for NumPy 1.24 and later)
+paraview-numba: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --no-deps \
+	    --target plugin/numba_packages 'numba==0.61.2' 'llvmlite==0.44.0'
+
 clean:
-	rm -rf .venv .pvpython-packages $(OUT) build dist *.egg-info filters/*.egg-info
+	rm -rf .venv .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info

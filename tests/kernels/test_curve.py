@@ -11,10 +11,10 @@ import pytest
 
 from tetraskel.errors import Aborted, InputError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.compilation import SWITCH, numba_is_used
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import END, JUNCTION, Skeleton
 from tetraskel.kernels.inside_check import facets_between, stays_inside
-from tetraskel.kernels.loops_in_python import SWITCH, numba_is_used
 from tetraskel.kernels.measures import graph_numbers, measure, samples_along
 from tetraskel.kernels.triangulate import triangulate
 

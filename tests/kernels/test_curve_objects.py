@@ -12,9 +12,9 @@ import pytest
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.curve import curve_model, curve_skeleton, draw_curve
 from tetraskel.kernels.curve_skeleton import END, Skeleton
-from tetraskel.kernels.loops_in_python import numba_is_used
 from tetraskel.kernels.measures import graph_numbers, samples_along
 from tetraskel.kernels.medial_mesh import medial_mesh
 from tetraskel.kernels.nearest import Cloud

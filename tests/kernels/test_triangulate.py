@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 from tetraskel import EngineError, InputError, MeshError, triangulate, triangulation_of
 from tetraskel.kernels import triangulate as module
 from tetraskel.kernels.adjacency import is_mesh
+from tetraskel.kernels.compilation import SWITCH, numba_is_used
 from tetraskel.kernels.quality import volumes
 
 
@@ -36,36 +37,47 @@ def assert_is_mesh(mesh):
     assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0).all()
 
 
+NEEDS_NUMBA = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
+every_engine = pytest.mark.parametrize("engine", ["qhull", pytest.param("exact", marks=NEEDS_NUMBA)])
+
+
+@every_engine
 @pytest.mark.parametrize("dim", [2, 3])
-def test_generic_cloud(dim):
+def test_generic_cloud(dim, engine):
     points = np.random.default_rng(0).random((300, dim))
-    mesh = triangulate(points)
+    mesh = triangulate(points, engine=engine)
     assert_is_delaunay(mesh)
     assert_is_mesh(mesh)
     assert np.array_equal(mesh.points, points)
     assert volumes(mesh).sum() == pytest.approx(ConvexHull(points).volume)
     assert set(mesh.simplices.ravel()) == set(range(len(points)))
-    assert mesh.engine == "qhull"
+    assert mesh.engine == engine
 
 
-def test_lattice_is_covered_and_order_of_points_does_not_matter():
+def test_auto_is_the_exact_engine_where_numba_works():
+    assert triangulate(np.eye(3)).engine == ("exact" if numba_is_used() else "qhull")
+
+
+@every_engine
+def test_lattice_is_covered_and_order_of_points_does_not_matter(engine):
     lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3)
-    mesh = triangulate(lattice)
+    mesh = triangulate(lattice, engine=engine)
     shuffle = np.random.default_rng(1).permutation(len(lattice))
-    other = triangulate(lattice[shuffle])
+    other = triangulate(lattice[shuffle], engine=engine)
     assert volumes(mesh).sum() == pytest.approx(64)
     assert np.array_equal(shuffle[other.simplices], mesh.simplices)
 
 
-def test_duplicates_are_merged_and_ids_map_back():
+@every_engine
+def test_duplicates_are_merged_and_ids_map_back(engine):
     points = np.random.default_rng(2).random((50, 3))
     doubled = np.concatenate([points, points[10:20], points[:1]])
-    mesh = triangulate(doubled)
+    mesh = triangulate(doubled, engine=engine)
     assert mesh.n_merged == 11
     assert np.array_equal(mesh.points, points)
     assert np.array_equal(mesh.points[mesh.point_map], doubled)
     assert np.array_equal(doubled[mesh.original_ids], mesh.points)
-    assert np.array_equal(mesh.simplices, triangulate(points).simplices)
+    assert np.array_equal(mesh.simplices, triangulate(points, engine=engine).simplices)
 
 
 def test_negative_zero_is_zero():
@@ -146,37 +158,46 @@ def test_order_of_points_does_not_matter_on_tilted_lattices(seed):
 
 @pytest.mark.parametrize("gap", [1e-9, 1e-11, 1e-12, 1e-13, 1e-15])
 @pytest.mark.parametrize("seed", range(4))
-def test_almost_coincident_points_give_a_mesh_all_the_same(gap, seed):
+@every_engine
+def test_almost_coincident_points_give_a_mesh_all_the_same(gap, seed, engine):
     rng = np.random.default_rng(seed)
     points = rng.random((60, 3))
     close = np.concatenate([points, points + gap * rng.normal(size=points.shape)])
-    mesh = triangulate(close)
+    mesh = triangulate(close, engine=engine)
     assert np.array_equal(triangulation_of(mesh.points, mesh.simplices).neighbors, mesh.neighbors)
     assert np.abs(mesh.points[mesh.point_map] - close).max() <= 1e-5
     assert set(mesh.simplices.ravel()) == set(range(len(mesh.points)))
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_clumps_and_noisy_lattices_give_a_mesh(seed):
+@every_engine
+def test_clumps_and_noisy_lattices_give_a_mesh(seed, engine):
     rng = np.random.default_rng(seed)
     clump = np.concatenate([rng.random((40, 3)), 0.5 + 1e-6 * rng.random((60, 3))])
     lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3) + 1e-13 * rng.normal(size=(125, 3))
     for points in (clump, lattice):
-        mesh = triangulate(points)
+        mesh = triangulate(points, engine=engine)
         assert np.array_equal(triangulation_of(mesh.points, mesh.simplices).neighbors, mesh.neighbors)
 
 
 def test_a_slab_too_thin_for_qhull_is_one_clear_error():
     slab = np.random.default_rng(2).random((60, 3)) * [1, 1, 1e-13]
     with pytest.raises(EngineError, match="almost lie in a plane"):
-        triangulate(slab)
+        triangulate(slab, engine="qhull")
+
+
+@NEEDS_NUMBA
+def test_a_slab_too_thin_for_qhull_is_none_for_the_exact_engine():
+    slab = np.random.default_rng(2).random((60, 3)) * [1, 1, 1e-13]
+    assert_is_mesh(triangulate(slab, engine="exact"))
 
 
 def test_what_is_no_mesh_is_recognised():
     mesh = triangulate(np.random.default_rng(8).random((50, 3)))
     assert is_mesh(mesh.simplices, mesh.neighbors)
     wrong = mesh.neighbors.copy()
-    wrong[3, 0], wrong[3, 1] = wrong[3, 1], wrong[3, 0]
+    inner = int(np.flatnonzero((wrong >= 0).all(axis=1))[0])
+    wrong[inner, 0], wrong[inner, 1] = wrong[inner, 1], wrong[inner, 0]
     assert not is_mesh(mesh.simplices, wrong)
     doubled = np.concatenate([mesh.simplices, mesh.simplices])
     shifted = np.where(mesh.neighbors < 0, -1, mesh.neighbors + len(mesh))
@@ -258,6 +279,31 @@ def test_a_missing_engine_is_named(monkeypatch):
     with pytest.raises(EngineError, match="the qhull engine needs the package scipy"):
         triangulate([[0, 0], [1, 0], [0, 1]], engine="qhull")
     assert "vtk" in module.ENGINE_MODULES
+
+
+def test_the_exact_engine_without_numba_is_named(monkeypatch):
+    monkeypatch.setenv(SWITCH, "0")
+    with pytest.raises(EngineError, match=f"needs the package numba, .* switched off by {SWITCH}=0"):
+        triangulate([[0, 0], [1, 0], [0, 1]], engine="exact")
+    assert triangulate([[0, 0], [1, 0], [0, 1]]).engine == "qhull"
+
+
+@NEEDS_NUMBA
+def test_an_engine_that_cannot_be_compiled_is_replaced_with_one_warning(monkeypatch):
+    from tetraskel.kernels import compilation
+    from tetraskel.kernels.exact import engine as exact
+
+    def broken(dim):
+        raise RuntimeError("LLVM is ill\nand more")
+
+    monkeypatch.setattr(exact, "prepare", broken)
+    monkeypatch.setattr(compilation, "_failures", [])
+    points = np.random.default_rng(0).random((20, 3))
+    with pytest.raises(EngineError, match=r"could not be compiled: LLVM is ill; repair numba"):
+        triangulate(points, engine="exact")
+    with pytest.warns(RuntimeWarning, match=r"numba is installed but does not work \(LLVM is ill\)"):
+        assert triangulate(points).engine == "qhull"
+    assert triangulate(points).engine == "qhull"  # without a second warning: warnings are errors here
 
 
 @pytest.mark.parametrize(

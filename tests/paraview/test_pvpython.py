@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 import pyvista
@@ -21,6 +23,7 @@ from tetraskel import (
     triangulate,
 )
 from tetraskel.kernels.centres import circumballs
+from tetraskel.kernels.compilation import BESIDE, FOLDER, numba_is_used
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
     BezierOptions,
@@ -49,7 +52,7 @@ import sys
 import numpy as np
 from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
 cloud = XMLPolyDataReader(FileName=sys.argv[1])
-mesh = DelaunayMesh(Input=cloud)
+mesh = DelaunayMesh(Input=cloud, Engine=sys.argv[2])
 tree = TreeBuilder(Input=mesh, Traversal="Depth")
 kept = FlatTetraRemoval(Input=tree, Threshold=0.1)
 skeleton = SkeletonOutput(Input=kept)
@@ -64,11 +67,27 @@ np.savez("out.npz", **{"tree_" + name: fetched["tree"].PointData[name] for name 
 
 
 def test_the_chain_gives_the_arrays_of_the_kernels(pvpython, tmp_path):
-    done = pvpython(CHAIN, SAMPLES / "torus.vtp")
+    done = pvpython(CHAIN, SAMPLES / "torus.vtp", "Qhull")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
+    assert_arrays_of_the_kernels(tmp_path, "qhull")
+
+
+def test_the_exact_engine_in_paraview(pvpython, tmp_path):
+    """Numba comes from a folder of its own: beside the plugin (make paraview-numba), or named by the variable."""
+    folder = os.environ.get(FOLDER, str(PLUGIN.parent / BESIDE))
+    if not os.path.isdir(folder):
+        pytest.skip("there is no numba for ParaView (make paraview-numba)")
+    if not numba_is_used():
+        pytest.skip("numba is not installed (the extra fast)")
+    done = pvpython(CHAIN, SAMPLES / "torus.vtp", "Exact", **{FOLDER: folder})
+    assert done.returncode == 0, done.stderr
+    assert_arrays_of_the_kernels(tmp_path, "exact")
+
+
+def assert_arrays_of_the_kernels(tmp_path, engine):
     out = np.load(tmp_path / "out.npz")
-    mesh = triangulate(np.asarray(pyvista.read(SAMPLES / "torus.vtp").points))
+    mesh = triangulate(np.asarray(pyvista.read(SAMPLES / "torus.vtp").points), engine=engine)
     tree = build_tree(mesh, traversal="depth")
     kept = remove_flat(tree, threshold=0.1)
     skeleton = assemble_skeleton(kept)

@@ -49,8 +49,8 @@ def is_mesh(simplices: Ints, neighbors: Ints) -> bool:
     keys = numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers
     cells = np.broadcast_to(np.arange(m)[:, None], neighbors.shape)
     lower, upper = neighbors > cells, (neighbors >= 0) & (neighbors < cells)
-    low_says = keys[lower] + _pair_numbers(cells[lower], neighbors[lower], m)
-    high_says = keys[upper] + _pair_numbers(neighbors[upper], cells[upper], m)
+    low_says = scramble(keys[lower] ^ _pair_numbers(cells[lower], neighbors[lower], m))
+    high_says = scramble(keys[upper] ^ _pair_numbers(neighbors[upper], cells[upper], m))
     if low_says.sum(dtype=np.uint64) != high_says.sum(dtype=np.uint64):
         return False
     ordered = np.sort(keys[lower])

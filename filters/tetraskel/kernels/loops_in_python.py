@@ -7,8 +7,6 @@ same to the last bit.
 
 from __future__ import annotations
 
-import importlib.util
-import os
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -18,13 +16,7 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.background import wait_for
 from tetraskel.kernels.chunks import Tick
-
-SWITCH = "TETRASKEL_NUMBA"  # set to 0 to keep numba out, for comparisons
-
-
-def numba_is_used() -> bool:
-    """Whether loops run compiled."""
-    return os.environ.get(SWITCH, "1") != "0" and importlib.util.find_spec("numba") is not None
+from tetraskel.kernels.compilation import compiled, numba_is_used
 
 
 def run_loop(
@@ -61,10 +53,8 @@ def run_loop(
 
 
 @cache
-def _compiled(loop: Callable[..., None]) -> Callable[..., None]:
-    import numba  # type: ignore[import-not-found,unused-ignore]
-
-    return numba.njit(cache=True, nogil=True)(loop)
+def _compiled(loop: Callable[..., None]) -> Any:
+    return compiled(loop)
 
 
 def _one_kind(values: Any) -> Any:

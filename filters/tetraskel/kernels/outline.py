@@ -11,7 +11,7 @@ from tetraskel.errors import EngineError, InputError
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.plane import plane_of_mesh, rounding
-from tetraskel.kernels.triangulate import triangulate
+from tetraskel.kernels.triangulate import ENGINE_MODULES, triangulate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -163,7 +163,7 @@ def _with_corners(mesh: Triangulation, corners: Floats) -> tuple[Floats, Ints]:
 
 
 def _triangulated(points: Floats, mesh: Triangulation) -> Triangulation:
-    found = triangulate(points, engine=mesh.engine if mesh.engine in ("qhull", "vtk") else "auto")
+    found = triangulate(points, engine=mesh.engine if mesh.engine in ENGINE_MODULES else "auto")
     if len(found.points) != len(points):
         raise EngineError("the engine left out points that lie almost on the outline; remove them.")
     return found

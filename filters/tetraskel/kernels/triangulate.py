@@ -1,7 +1,8 @@
 """Points to Delaunay triangulation: which engine, and what is done before and after it.
 
-Qhull's answer on cospherical points depends on the order of the points, so it is given them in an order that is a
-function of their coordinates (along a Morton curve); the same cloud permuted then gives the same triangulation.
+The exact engine's triangulation is a function of the coordinates. Qhull's answer on cospherical points depends on the
+order of the points too, so every engine is given them in an order that is a function of their coordinates (along a
+Morton curve); the same cloud permuted then gives the same triangulation.
 """
 
 from __future__ import annotations
@@ -9,12 +10,15 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from dataclasses import replace
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetraskel.errors import EngineError
+from tetraskel.errors import Aborted, EngineError
+from tetraskel.kernels.background import wait_for
 from tetraskel.kernels.chunks import Tick, part, silent
+from tetraskel.kernels.compilation import SWITCH, first_line, give_up_numba, numba_is_used
 from tetraskel.kernels.denoise import denoised
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.plane import plane_of_mesh
@@ -28,10 +32,12 @@ Ints = NDArray[np.integer]
 # engine -> (module whose `delaunay(points, tick)` runs it, what that module needs). Named, not imported: the vtk
 # engine lives with the VTK classes, and the kernels must load where there is no VTK.
 ENGINE_MODULES = {
+    "exact": ("tetraskel.kernels.exact.engine", "numba"),
     "qhull": ("tetraskel.kernels.qhull", "scipy"),
     "vtk": ("tetraskel.vtkfilters.delaunay_engine", "vtkmodules"),
 }
 JOGGLE_SEED = 20
+COMPILE_SECONDS = 15.0  # for the progress told only
 
 
 def triangulate(
@@ -48,7 +54,7 @@ def triangulate(
     ----------
     points : (n, 2) or (n, 3) array
         Any unit. Equal points are merged. Points of one plane in space are triangulated in that plane.
-    engine : {"auto", "qhull", "vtk"}
+    engine : {"auto", "exact", "qhull", "vtk"}
         See `DelaunayOptions`.
     joggle : float
         Largest displacement, as a fraction of the bounding-box diagonal; the result has the original coordinates.
@@ -71,6 +77,11 @@ def triangulate(
     EngineError
         For an engine that is not there or fails.
 
+    Warns
+    -----
+    RuntimeWarning
+        Once, when numba is installed but does not work; "auto" then takes another engine.
+
     Examples
     --------
     >>> square = triangulate([[0, 0], [1, 0], [1, 1], [0, 2]])
@@ -79,22 +90,25 @@ def triangulate(
     """
     DelaunayOptions(engine=engine, joggle=joggle, denoise=denoise)
     distinct = distinct_points(points)
-    engine = available_engine(engine)
     if len(distinct.points) == 0:
-        return _empty(distinct, engine)
+        return _empty(distinct, available_engine(engine))
     coordinates = full_dimensional(distinct)
+    engine = ready_engine(engine, coordinates.shape[1], tick)
     noise, before = 0.0, 0.3 if denoise else 0.0
     if denoise:
         distinct, coordinates, noise = _without_noise(distinct, coordinates, part(tick, 0.0, before))
     order = morton_order(coordinates)
-    inputs = _unit_box(coordinates[order])
+    in_order = coordinates[order]
+    as_given = engine == "exact" and not joggle
+    inputs = in_order if as_given else _unit_box(in_order)
     if joggle:
         inputs = inputs + _displacements(inputs, joggle)
-    module = importlib.import_module(ENGINE_MODULES[engine][0])
-    simplices, neighbors, stands_for = module.delaunay(inputs, part(tick, before, 1.0))
+    simplices, neighbors, stands_for = _module(engine).delaunay(inputs, part(tick, before, 1.0))
     if len(simplices) == 0:
         raise EngineError(f"the {engine} engine found no simplex in {len(inputs)} points; they may be almost flat.")
-    mesh = _in_input_ids(distinct, coordinates, order, (simplices, neighbors, stands_for), engine)
+    if not as_given:
+        simplices, neighbors = oriented_positively(in_order, simplices, neighbors)
+    mesh = _in_input_ids(distinct, order, (simplices, neighbors, stands_for), engine)
     return replace(mesh, noise=noise)
 
 
@@ -109,6 +123,31 @@ def _without_noise(distinct: DistinctPoints, coordinates: Floats, tick: Tick) ->
     return DistinctPoints(points, ids, rows, distinct.roundoff), found.points, found.noise
 
 
+def ready_engine(engine: str, dim: int, tick: Tick = silent) -> str:
+    """The engine that will run, ready to.
+
+    The exact engine compiles itself the first time on a machine. Where that fails, "auto" takes another one.
+
+    Raises
+    ------
+    EngineError
+        When its library is missing, or it was asked for by name and cannot be compiled.
+    """
+    chosen = available_engine(engine)
+    if chosen != "exact":
+        return chosen
+    try:
+        wait_for(lambda: _module(chosen).prepare(dim), tick, COMPILE_SECONDS)
+    except Aborted:
+        raise
+    except Exception as error:
+        if engine == "exact":
+            raise EngineError(f"the exact engine could not be compiled: {first_line(error)}; repair numba.") from error
+        give_up_numba(error)
+        return available_engine(engine)
+    return chosen
+
+
 def available_engine(engine: str) -> str:
     """The engine that will run: "auto" becomes the best one whose library can be imported.
 
@@ -117,14 +156,22 @@ def available_engine(engine: str) -> str:
     EngineError
         When its library is missing.
     """
+    if engine == "auto" and numba_is_used():
+        return "exact"
     if engine == "auto":
         engine = "qhull" if importlib.util.find_spec("scipy") else "vtk"
     needed = ENGINE_MODULES[engine][1]
-    if importlib.util.find_spec(needed) is None:
+    there = numba_is_used() if engine == "exact" else importlib.util.find_spec(needed) is not None
+    if not there:
+        off = f", does not work or is switched off by {SWITCH}=0" if engine == "exact" else ""
         raise EngineError(
-            f"the {engine} engine needs the package {needed}, which is not installed; choose another engine."
+            f"the {engine} engine needs the package {needed}, which is not installed{off}; choose another engine."
         )
     return engine
+
+
+def _module(engine: str) -> ModuleType:
+    return importlib.import_module(ENGINE_MODULES[engine][0])
 
 
 def _unit_box(points: Floats) -> Floats:
@@ -139,20 +186,19 @@ def _displacements(points: Floats, joggle: float) -> Floats:
     return np.random.default_rng(JOGGLE_SEED).uniform(-1, 1, points.shape) * (joggle * diagonal)
 
 
-def _in_input_ids(
-    distinct: DistinctPoints, coordinates: Floats, order: Ints, found: tuple[Ints, Ints, Ints], engine: str
-) -> Triangulation:
+def _in_input_ids(distinct: DistinctPoints, order: Ints, found: tuple[Ints, Ints, Ints], engine: str) -> Triangulation:
     """From the engine's sorted points back to the input's ids, without the points it merged."""
     simplices, neighbors, stands_for = found
-    kept = np.zeros(len(order), bool)
-    kept[order[simplices.ravel()]] = True
+    used = np.zeros(len(order), bool)
+    used[simplices.ravel()] = True
+    kept = np.empty(len(order), bool)
+    kept[order] = used
     new_id = np.cumsum(kept) - 1
     representative = np.empty(len(order), np.int64)
     representative[order] = order[stands_for]
-    oriented, neighbors = oriented_positively(coordinates, order[simplices].astype(np.int32), neighbors)
     return Triangulation(
         points=distinct.points[kept],
-        simplices=new_id[oriented].astype(np.int32),
+        simplices=new_id[order].astype(np.int32)[simplices],
         neighbors=neighbors,
         original_ids=distinct.original_ids[kept],
         point_map=new_id[representative[distinct.point_map]],
@@ -162,7 +208,7 @@ def _in_input_ids(
 
 def oriented_positively(coordinates: Floats, simplices: Ints, neighbors: Ints) -> tuple[Ints, Ints]:
     """The same simplices, the last two vertices (and neighbours) swapped where the orientation was negative."""
-    simplices, neighbors = simplices.copy(), neighbors.astype(np.int32)
+    simplices, neighbors = simplices.astype(np.int32), neighbors.astype(np.int32)
     for start in range(0, len(simplices), 1 << 16):
         piece = slice(start, start + (1 << 16))
         negative = start + np.flatnonzero(orientation_signs(coordinates[simplices[piece]]) < 0)
