@@ -76,8 +76,11 @@ def _scene(plotter, row: Row, skeleton: vtkPolyData, boundary: vtkPolyData, wide
 
 
 def _widest(rows: Sequence[Row]) -> float:
-    """Largest radius of all, so that a colour means the same in every picture."""
-    return max((float(row.drawn.radius.max(initial=0.0)) for row in rows if row.drawn is not None), default=0.0)
+    """Where the colours end, the same in every picture: the least of the methods' largest radii.
+
+    Some circumcentres of sk4 lie outside of the object, with radii that would make all else look alike.
+    """
+    return min((float(row.drawn.radius.max(initial=0.0)) for row in rows if row.drawn is not None), default=0.0)
 
 
 def _save(plotter, path: Path) -> None:
