@@ -1,5 +1,6 @@
 """Skeletons of point sets by binary and ternary trees over their Delaunay triangulation."""
 
+from tetraskel.comparison import Row, compare
 from tetraskel.errors import Aborted, EngineError, InputError, InsideWarning, MeshError, TetraskelError
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.bezier_skeleton import BezierSkeleton, bezier_skeleton
@@ -41,6 +42,7 @@ __all__ = [
     "MeshError",
     "RasterSkeleton",
     "RebuiltSurface",
+    "Row",
     "Skeleton",
     "TetraskelError",
     "Tree",
@@ -51,6 +53,7 @@ __all__ = [
     "bezier_skeleton",
     "binarize",
     "build_tree",
+    "compare",
     "curve_model",
     "curve_skeleton",
     "decode_tree",

@@ -356,3 +356,33 @@ class RasterInputOptions(RasterOptions):
         unit="grid points",
         bounds=(2, 2048),
     )
+
+
+COMPARED = ("curve", "tree", *VORONOI_METHODS, *RASTER_METHODS, "bezier")
+
+
+@dataclass(frozen=True)
+class CompareOptions(Options):
+    """Parameters of the comparison; what is not named here is at its default in every method."""
+
+    methods: str = option(
+        "all",
+        f"Which skeletons to draw: all, or some of {', '.join(COMPARED)}, with commas between them.",
+    )
+    detail: float = option(
+        CurveOptions.detail,
+        "Of curve and bezier: how much is drawn, from the main lines (0) to every bump (1).",
+        bounds=(0.0, 1.0),
+    )
+    least_angle: float = option(
+        VoronoiOptions.least_angle,
+        "Of sk1 to sk4: elements whose nearest points are seen at a smaller angle are left out. 0 keeps all.",
+        unit="degrees",
+        bounds=(0.0, 180.0),
+    )
+    resolution: int = option(
+        RasterInputOptions.resolution,
+        "Of morphological, thinning and distance: grid points along the longest side of the box.",
+        unit="grid points",
+        bounds=(2, 2048),
+    )

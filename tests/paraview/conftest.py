@@ -16,13 +16,14 @@ def missing():
 
 @pytest.fixture
 def pvpython(tmp_path):
-    """Run a script in pvpython; gives its standard output and error."""
+    """Run a script in pvpython, with a virtual `screen` where it draws; gives its standard output and error."""
     executable = program("pvpython")
 
-    def run(script, *arguments, **more):
+    def run(script, *arguments, screen=False, **more):
         file = tmp_path / "script.py"
         file.write_text(f"PLUGIN = {str(PLUGIN)!r}\nROOT = {str(ROOT)!r}\nfrom paraview.simple import *\n{script}")
-        return finished([executable, str(file), *map(str, arguments)], tmp_path, more)
+        start = [program("xvfb-run"), "-a"] if screen else []
+        return finished([*start, executable, str(file), *map(str, arguments)], tmp_path, more)
 
     return run
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from tetraskel import __version__
-from tetraskel.cli import bezier, measure, plugin_path, raster, skeleton, surface, tree, voronoi
+from tetraskel.cli import bezier, compare, measure, plugin_path, raster, skeleton, surface, tree, voronoi
 from tetraskel.cli.several import jobs
 from tetraskel.errors import TetraskelError
 
@@ -19,6 +19,7 @@ COMMANDS = {
     "raster": raster,
     "surface": surface,
     "bezier": bezier,
+    "compare": compare,
     "measure": measure,
     "plugin-path": plugin_path,
 }

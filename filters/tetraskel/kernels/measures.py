@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
+from tetraskel.kernels.ball_graph import BallGraph
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.surface_rays import (
     Surface,
@@ -72,7 +73,7 @@ def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike]) -> dict[st
 def graph_numbers(skeleton: Skeleton) -> dict[str, float]:
     """Components, loops, ends, junctions and branches of the drawn graph, and its length."""
     edges, n = skeleton.edges, len(skeleton)
-    components = _count_components(edges, n)
+    components = count_components(edges, n)
     return {
         "components": components,
         "loops": len(edges) - n + components,
@@ -83,7 +84,8 @@ def graph_numbers(skeleton: Skeleton) -> dict[str, float]:
     }
 
 
-def _count_components(edges: Ints, n: int) -> int:
+def count_components(edges: Ints, n: int) -> int:
+    """Connected pieces of n points with these edges."""
     label = list(range(n))
 
     def find(point: int) -> int:
@@ -113,7 +115,7 @@ def _along(skeleton: Skeleton, surface: Surface) -> tuple[float, float]:
     return share, float((weights * value).sum() / weights.sum())
 
 
-def samples_along(skeleton: Skeleton, n: int) -> tuple[Floats, Floats]:
+def samples_along(skeleton: Skeleton | BallGraph, n: int) -> tuple[Floats, Floats]:
     """About n places evenly along the skeleton, and the length each stands for; its points where it has no length."""
     a, b = skeleton.points[skeleton.edges.T]
     long = np.sqrt(((b - a) ** 2).sum(axis=1))
@@ -128,7 +130,7 @@ def samples_along(skeleton: Skeleton, n: int) -> tuple[Floats, Floats]:
 
 def distances_to_balls(skeleton: Skeleton, places: Floats) -> Floats:
     """(k,) distance from each place to the union of the balls along the skeleton, 0 inside it."""
-    centres, radii = _balls(skeleton)
+    centres, radii = balls_along(skeleton)
     nearest = np.full(len(places), np.inf)
     for start in range(0, len(centres), 64):
         some = slice(start, start + 64)
@@ -137,17 +139,18 @@ def distances_to_balls(skeleton: Skeleton, places: Floats) -> Floats:
     return np.maximum(nearest, 0)
 
 
-def _balls(skeleton: Skeleton) -> tuple[Floats, Floats]:
-    """Balls of the points and, interpolated, between them."""
+def balls_along(skeleton: Skeleton | BallGraph) -> tuple[Floats, Floats]:
+    """Centres and radii of the balls of the points and, interpolated, between them."""
+    points, radius = skeleton.points, skeleton.radius
     first, second = skeleton.edges.T
-    a, b = skeleton.points[first], skeleton.points[second]
-    smaller = np.maximum(np.minimum(skeleton.radius[first], skeleton.radius[second]), 1e-300)
+    a, b = points[first], points[second]
+    smaller = np.maximum(np.minimum(radius[first], radius[second]), 1e-300)
     pieces = np.minimum(np.ceil(np.sqrt(((b - a) ** 2).sum(axis=1)) / (BALL_STEP * smaller)), 20).astype(int)
     edge = np.repeat(np.arange(len(first)), pieces)
     share = (np.arange(len(edge)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[edge]
     between = (1 - share)[:, None] * a[edge] + share[:, None] * b[edge]
-    radii = (1 - share) * skeleton.radius[first[edge]] + share * skeleton.radius[second[edge]]
-    return np.concatenate([skeleton.points, between]), np.concatenate([skeleton.radius, radii])
+    radii = (1 - share) * radius[first[edge]] + share * radius[second[edge]]
+    return np.concatenate([points, between]), np.concatenate([radius, radii])
 
 
 def short_share(skeleton: Skeleton) -> float:

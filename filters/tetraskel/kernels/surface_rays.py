@@ -79,10 +79,11 @@ def inside_surface(surface: Surface, places: Floats) -> Bools:
     """(k,) places inside a closed surface: an odd number of crossings on at least two of three rays."""
     generator = np.random.default_rng(7)  # directions that meet no edge of a regular mesh
     votes = np.zeros(len(places), np.int64)
-    for _ in range(3):
+    for ray in range(3):
         way = generator.normal(size=3)
-        ways = np.tile(way / np.sqrt((way**2).sum()), (len(places), 1))
-        votes += first_hits(surface, places, ways, np.zeros(len(places)))[1] % 2
+        unsure = np.flatnonzero(votes == 1) if ray == 2 else np.arange(len(places))  # two that agree need no third
+        ways = np.tile(way / np.sqrt((way**2).sum()), (len(unsure), 1))
+        votes[unsure] += first_hits(surface, places[unsure], ways, np.zeros(len(unsure)))[1] % 2
     return votes >= 2
 
 
