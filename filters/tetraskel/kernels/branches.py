@@ -1,8 +1,8 @@
 """Branches in the order of their significance: the same sequence serves every detail.
 
-A branch is worth drawing when its tip's ball pokes far out of the balls of what is already drawn. The farthest is
-taken first, its path followed until it enters a ball of the skeleton; then all distances are brought up to date.
-How far the next one pokes out can only fall, so the branches of a coarse skeleton are the first of a fine one.
+A branch is worth drawing when its tip's ball pokes far out of the balls of what is worth more. Tips are looked for
+from the coarsest on, the farthest first, and judged from the finest back (`pruning`). Then the branches are drawn, the
+most significant first: along the tip's way until it enters a ball of the skeleton.
 """
 
 from __future__ import annotations
@@ -14,34 +14,29 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.core import Core
+from tetraskel.kernels.exposure import FINEST, SAMPLE, Balls, Exposure, thinned
 from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips
 from tetraskel.kernels.nearest import Cloud
+from tetraskel.kernels.pruning import prune
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-FINEST = 0.015  # significance below which no branch is looked for
 LEAST_EXCESS = 0.006  # of the diagonal: no branch reaches out of its parent's ball by less
 JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
 # An end is cut back to the ball that everything beyond pokes out of by less than this, in its radii: less than the
-# first share at once, since a right-angled edge pokes out by sqrt(2) - 1 and is not followed; less than the second
-# where the path goes straight on, to the tip of a slender limb.
-TIP = (0.5, 0.2)
-LONGER = 0.5  # what only makes an end longer is worth this share of a new one: at a flat end, the way into a corner
+# first share at once, since a right-angled edge pokes out by sqrt(2) - 1, a little more where points are few, and is
+# not followed; less than the second where the path goes straight on, to the tip of a slender limb.
+TIP = (0.6, 0.2)
 TIP_SHARE = 0.4  # of how far a branch pokes out, at most this much is cut
 STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its end by less than this share
-SAMPLE = 0.25  # balls this far apart, in radii, stand for a path
 FINE_SAMPLE = 0.06  # where an end is looked for
-# A bump is judged by how far it pokes out in diagonals of the object, a limb also by its own slenderness: beyond
-# this ratio of distance to cover it counts for more, so that the twigs of a large tree are branches too.
-ALONE = 0.25  # an end farther than this from all others, in diagonals, is no more alone
-SLENDER = 2.5
-SLENDER_POWER = 4
-# What counts as covered, as a share of the way from the ball to the width of the sheet: nothing but the ball for the
-# edges of plates, most of the sheet for limbs. An edge counts for this share of a limb, and at most so much.
-SHEETS = (0.0, 0.85)
-EDGE, EDGE_LIMIT = 0.6, 0.055
-BUMP = (1.05, 1.2)  # ratio of distance to cover: below the first it is nothing, from the second on it counts in full
+# A branch from within this many radii of an end only makes the line longer, and is worth this share of a new one: at
+# a flat end, the way into a corner.
+LONGER, NEAR_END = 0.5, 0.75
+# A line goes on from its end to a tip within so many radii, when the two directions make at least a half turn but
+# for an angle with this cosine; so many tips are tried.
+ONWARDS, FACING, TRIED = 3.0, 0.7, 20
 
 
 @dataclass(frozen=True)
@@ -67,60 +62,6 @@ class Branches:
         return int(np.searchsorted(-self.significance, -least, side="right"))
 
 
-@dataclass(frozen=True)
-class Balls:
-    """Nodes as the growth sees them: positions (m, d), radii (m,), and burn times (m,), at least the radii."""
-
-    positions: Floats
-    radii: Floats
-    burn: Floats
-
-
-class Exposure:
-    """How far each candidate tip pokes out of what is drawn, and how far away that is in its covers.
-
-    Measured twice: out of the balls (row 0), and out of balls as wide as the sheet is (row 1). What pokes out of the
-    balls alone is an edge of a plate, not a limb, and counts for details only.
-    """
-
-    def __init__(self, balls: Balls, candidates: Ints) -> None:
-        self.balls, self.candidates = balls, candidates
-        self.alone = np.full(len(candidates), np.inf)  # distance to the nearest end that is drawn
-        self.excess = np.full((2, len(candidates)), np.inf)
-        self.ratio = np.full((2, len(candidates)), np.inf)
-
-    def cover(self, nodes: Ints) -> None:
-        """Draw balls at more nodes."""
-        balls, nodes = self.balls, thinned(self.balls, nodes)
-        tips, radii = balls.positions[self.candidates], balls.radii[self.candidates]
-        for start in range(0, len(nodes), 64):
-            some = nodes[start : start + 64]
-            away = np.sqrt(((tips[:, None] - balls.positions[some][None]) ** 2).sum(axis=2))  # (tips, some)
-            for row, sheet in enumerate(SHEETS):
-                covers = balls.radii[some] + sheet * (balls.burn[some] - balls.radii[some])
-                np.minimum(self.excess[row], (away - covers).min(axis=1) + radii, out=self.excess[row])
-                np.minimum(self.ratio[row], (away / covers).min(axis=1), out=self.ratio[row])
-
-    def significance(self, diagonal: float) -> Floats:
-        """One number per candidate, which never grows."""
-        alone = np.minimum(self.alone / diagonal, ALONE)
-        edge, limb = significance_of(np.maximum(self.excess, 0) / diagonal, alone, self.ratio)
-        return np.maximum(limb, np.minimum(EDGE * edge, EDGE_LIMIT))
-
-    def drop_covered(self, diagonal: float) -> Floats:
-        """Forget the candidates that are of no significance, for good; significance of the others."""
-        values = self.significance(diagonal)
-        alive = values >= FINEST
-        self.candidates, self.alone = self.candidates[alive], self.alone[alive]
-        self.excess, self.ratio = self.excess[:, alive], self.ratio[:, alive]
-        return np.asarray(values[alive])
-
-    def add_end(self, node: int) -> None:
-        """Draw an end."""
-        away = self.balls.positions[self.candidates] - self.balls.positions[node]
-        np.minimum(self.alone, np.sqrt((away**2).sum(axis=1)), out=self.alone)
-
-
 def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, tick: Tick = silent) -> Branches:
     """All branches down to the finest significance.
 
@@ -141,7 +82,7 @@ def grow_branches(core: Core, positions: Floats, radii: Floats, burn: Floats, ti
         tick(done / len(tree.roots))
         mine = candidates[tree.component[candidates] == component]
         start = core.nodes[component_of_core == component]
-        found += _grow(tree.parent, balls, start, mine, diagonals[component], tick)
+        found += _grow(tree.parent, balls, start, mine, float(diagonals[component]), tick)
     found.sort(key=lambda branch: -branch[0])  # stable: components in order
     return Branches(
         [edges for _, _, edges in found],
@@ -169,15 +110,6 @@ def _candidates(tree: MedialTree, length: Floats, reach: Floats, tip: Ints, radi
     return np.unique(np.concatenate([tip[sons[leaves]], tip[tree.roots]]))
 
 
-def significance_of(excess: Floats, alone: Floats, ratio: Floats) -> Floats:
-    """One number from how far a tip pokes out, how far the next end is (in diagonals), and distance over cover.
-
-    The geometric mean of the first two: a person draws the lone tail before the second finger of a hand.
-    """
-    bump = np.clip((ratio - BUMP[0]) / (BUMP[1] - BUMP[0]), 0, 1)
-    return np.sqrt(excess * alone) * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
-
-
 def _grow(
     parent: Ints, balls: Balls, start: Ints, candidates: Ints, diagonal: float, tick: Tick
 ) -> list[tuple[float, int, Ints]]:
@@ -186,59 +118,134 @@ def _grow(
     A bump that is fatter than it pokes out is worth less by the root of that, and no branch more than the one it
     grows from.
     """
-    kept = start
-    exposure = Exposure(balls, candidates)
-    exposure.cover(kept)
-    found: list[tuple[float, int, Ints]] = []
-    on_skeleton = dict.fromkeys(kept.tolist(), np.inf)  # with the significance of the branch a node is drawn with
-    limit, ends = np.inf, list[int]()
+    tips = _exposed_tips(parent, Exposure(balls, candidates), start, diagonal, tick)
+    excess, worth = prune(parent, balls, start, tips, diagonal, tick)
+    order = np.argsort(-worth, kind="stable")
+    drawing = _Drawing(parent, balls, start, np.concatenate([tips[order], np.setdiff1d(candidates, tips)]))
+    for tip in order[worth[order] >= FINEST].tolist():
+        tick(0.0)
+        path = drawing.path_from(int(tips[tip]), TIP_SHARE * float(excess[tip]))
+        if len(path) < 2:
+            continue
+        fatness = float(balls.radii[path[0]]) / max(float(excess[tip]), 1e-300)
+        value = min(float(worth[tip]) / np.sqrt(max(fatness, 1.0)), drawing.drawn[int(path[-1])])
+        drawing.add(path, value * (LONGER if drawing.is_near_end(int(path[-1])) else 1))
+    return drawing.found
+
+
+def _exposed_tips(parent: Ints, exposure: Exposure, start: Ints, diagonal: float, tick: Tick) -> Ints:
+    """Tips that are significant when they are drawn, the most significant of the moment first."""
+    seen = set(start.tolist())
+    exposure.cover(start)
+    tips = list[int]()
     while True:
         tick(0.0)
         values = exposure.drop_covered(diagonal)
         if len(values) == 0:
-            return found
+            return np.array(tips, dtype=np.int64)
         best = int(values.argmax())
-        limit = min(limit, float(values[best]))
-        path = _path_to_skeleton(parent, balls, int(exposure.candidates[best]), on_skeleton, kept)
-        excess = float(exposure.excess[0, best])
-        path = path[_end_of_tip(balls, path, TIP_SHARE * excess) :]
+        way = [int(exposure.ends[best])]
         exposure.excess[:, best] = -np.inf
-        if len(path) < 2:
-            continue
-        fatness = float(balls.radii[path[0]]) / max(excess, 1e-300)
-        worth = min(limit / np.sqrt(max(fatness, 1.0)), on_skeleton[int(path[-1])])
-        if path[-1] in ends:
-            worth *= LONGER
-        ends.append(int(path[0]))
-        found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
-        exposure.add_end(int(path[0]))
-        on_skeleton.update(dict.fromkeys(path[:-1].tolist(), worth))
-        kept = np.concatenate([kept, path[:-1]])
-        exposure.cover(path[:-1])
+        while way[-1] not in seen:
+            way.append(int(parent[way[-1]]))
+        if len(way) > 1:
+            tips.append(way[0])
+            seen.update(way)
+            exposure.add_end(way[0])
+            exposure.cover(np.array(way[:-1]))
 
 
-def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
-    """Nodes of a path about a quarter radius (or `apart` radii) apart, both ends among them."""
-    if len(path) < 3:
-        return path
-    step = np.sqrt((np.diff(balls.positions[path], axis=0) ** 2).sum(axis=1))
-    scaled = np.cumsum(np.append(0, step / (apart * np.maximum(balls.radii[path[1:]], 1e-300))))
-    chosen = np.append(True, np.floor(scaled[1:]) > np.floor(scaled[:-1]))
-    chosen[-1] = True
-    return path[chosen]
+class _Drawing:
+    """The branches of one component so far: `found` (significance, tip, edges).
+
+    `drawn` tells for each node on it the significance of its branch, `ends` are the outer ends of the lines; `tips`
+    are all there are, the significant ones first, `n_roots` is 1 where everything began from a lone root.
+    """
+
+    def __init__(self, parent: Ints, balls: Balls, start: Ints, tips: Ints) -> None:
+        self.parent, self.balls, self.tips, self.kept = parent, balls, tips, start
+        self.drawn = dict.fromkeys(start.tolist(), np.inf)
+        self.ends: list[int] = []
+        self.found: list[tuple[float, int, Ints]] = []
+        self.lone_root = len(start) == 1
+
+    def add(self, path: Ints, worth: float) -> None:
+        """Draw a path and what goes straight on from it: from its tip, and from the lone root that it began at."""
+        from_root = self.lone_root and not self.found
+        self._add(path, worth)
+        if from_root:
+            significant = self.tips[:TRIED]  # a whole second half of the line, rather than the next spur
+            beyond = self._onwards(path[::-1], np.concatenate([significant, self._tips_ahead(path[::-1])]))
+            if len(beyond):
+                self._add(beyond, worth)
+
+    def _add(self, path: Ints, worth: float) -> None:
+        self._draw(path, worth)
+        beyond = self._onwards(path, self._tips_ahead(path))
+        if len(beyond):
+            self._draw(beyond, worth)
+            path = np.concatenate([beyond, path[1:]])
+        self.ends.append(int(path[0]))
+        self.found.append((worth, int(path[0]), np.stack([path[:-1], path[1:]], axis=1)))
+
+    def _draw(self, path: Ints, worth: float) -> None:
+        self.drawn.update(dict.fromkeys(path[:-1].tolist(), worth))
+        self.kept = np.concatenate([self.kept, path[:-1]])
+
+    def is_near_end(self, node: int) -> bool:
+        """Does a line end near this node?"""
+        away = self.balls.positions[self.ends] - self.balls.positions[node]
+        return bool(((away**2).sum(axis=1) <= (NEAR_END * self.balls.radii[self.ends]) ** 2).any())
+
+    def path_from(self, tip: int, most: float) -> Ints:
+        """The nodes from a tip to the skeleton, cut back to where the rest pokes out by little, never `most`."""
+        path = self._path_to_skeleton(tip)
+        return path[_end_of_tip(self.balls, path, most) :]
+
+    def _path_to_skeleton(self, tip: int) -> Ints:
+        """To where the path enters a ball, then straight to its node."""
+        path = [tip]
+        while path[-1] not in self.drawn:
+            path.append(int(self.parent[path[-1]]))
+        nodes, positions = np.array(path), self.balls.positions
+        away, nearest = Cloud(positions[self.kept]).query(positions[nodes])
+        near = np.flatnonzero(away < JOIN * self.balls.radii[self.kept[nearest]])
+        if len(near) == 0 or near[0] >= len(nodes) - 1:
+            return nodes
+        return np.append(nodes[: near[0] + 1], self.kept[nearest[near[0]]])
+
+    def _tips_ahead(self, line: Ints) -> Ints:
+        """Some tips beyond the first node of a line, the farthest ahead first."""
+        balls, end = self.balls, int(line[0])
+        ways = balls.positions[self.tips] - balls.positions[end]
+        ahead = -(ways @ _heading(balls, line))
+        near = np.flatnonzero(((ways**2).sum(axis=1) < (ONWARDS * balls.radii[end]) ** 2) & (ahead > 0))
+        order = np.argsort(-(ahead + balls.radii[self.tips])[near], kind="stable")
+        return self.tips[near[order[:TRIED]]]
+
+    def _onwards(self, line: Ints, tips: Ints) -> Ints:
+        """A path from the first tip that goes straight on from the first node of a line to there; empty if none."""
+        balls, end, back = self.balls, int(line[0]), _heading(self.balls, line)
+        for tip in tips.tolist():
+            path = self.path_from(tip, np.inf) if tip not in self.drawn else np.empty(0, np.int64)
+            if len(path) < 2 or not self._is_within(int(path[-1]), end):
+                continue
+            path = np.append(path[:-1], end)
+            if _heading(balls, path[::-1]) @ back <= -FACING:
+                return path
+        return np.empty(0, np.int64)
+
+    def _is_within(self, node: int, end: int) -> bool:
+        away = self.balls.positions[node] - self.balls.positions[end]
+        return bool((away**2).sum() <= (JOIN * self.balls.radii[end]) ** 2)
 
 
-def _path_to_skeleton(parent: Ints, balls: Balls, tip: int, on_skeleton: dict[int, float], kept: Ints) -> Ints:
-    """Nodes from a tip up to the skeleton: to where the path enters a ball, then straight to its node."""
-    path = [tip]
-    while path[-1] not in on_skeleton:
-        path.append(int(parent[path[-1]]))
-    nodes = np.array(path)
-    away, nearest = Cloud(balls.positions[kept]).query(balls.positions[nodes])
-    near = np.flatnonzero(away < JOIN * balls.radii[kept[nearest]])
-    if len(near) == 0 or near[0] >= len(nodes) - 1:
-        return nodes
-    return np.append(nodes[: near[0] + 1], kept[nearest[near[0]]])
+def _heading(balls: Balls, path: Ints) -> Floats:
+    """Direction, of length 1, in which a path leaves the ball of its first node."""
+    ways = balls.positions[path] - balls.positions[path[0]]
+    away = np.sqrt((ways**2).sum(axis=1))
+    out = np.append(np.flatnonzero(away > balls.radii[path[0]]), len(path) - 1)[0]
+    return np.asarray(ways[out] / max(away[out], 1e-300))
 
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
