@@ -59,7 +59,7 @@ def test_a_mesh_is_taken_as_it_is(cloud):
 
 def test_an_option_is_checked_though_its_filter_is_left_out(cloud):
     mesh = cloud.tetraskel.delaunay()
-    with pytest.raises(InputError, match="engine must be one of auto, qhull, vtk; got 'qhul'"):
+    with pytest.raises(InputError, match="engine must be one of auto, qhull, vtk, exact; got 'qhul'"):
         mesh.tetraskel.tree(engine="qhul")
 
 

@@ -52,14 +52,7 @@ def test_balls_apart_have_a_point_each() -> None:
     assert skeleton.radius == pytest.approx(1, rel=0.02)
 
 
-LOST = "one point in one of the balls at details up to 0.75: half of the object is not drawn"
-SHORT = "the line ends 0.35 radii before the centre of the second ball"
-GAPS = [
-    pytest.param(0.02, marks=pytest.mark.xfail(strict=True, reason=LOST)),
-    pytest.param(0.0, marks=pytest.mark.xfail(strict=True, reason=SHORT)),
-    -0.05,
-    -0.2,
-]
+GAPS = [0.02, 0.0, -0.05, -0.2]
 
 
 @pytest.mark.parametrize("gap", GAPS if FAST else [GAPS[0], GAPS[-1]])
@@ -136,10 +129,9 @@ def test_permuted_points_give_exactly_the_same_skeleton(name: str, n: int) -> No
     assert np.array_equal(first.point_nodes[order], second.point_nodes)
 
 
-RIM = pytest.mark.xfail(strict=True, reason="a third end: a line runs from the axis into the rim of one lid")
-CYLINDERS = [(2000, 2000), pytest.param(2000, 0, marks=RIM)]
+CYLINDERS = [(2000, 2000), (2000, 0)]
 if FAST:
-    CYLINDERS += [(4000, 4000), pytest.param(4000, 11, marks=RIM), (8000, 8000)]
+    CYLINDERS += [(4000, 4000), (4000, 11), (8000, 8000)]
 
 
 @pytest.mark.parametrize(("n", "seed"), CYLINDERS)

@@ -15,8 +15,8 @@ def test_it_is_the_function(pvpython, tmp_path):
 LoadPlugin(PLUGIN, remote=False, ns=globals())
 import numpy as np
 from vtkmodules.numpy_interface.dataset_adapter import WrapDataObject
-cloud = XMLPolyDataReader(FileName=ROOT + "/sample_data/torus.vtp")
-voronoi = VoronoiSkeleton(Input=cloud)
+mesh = DelaunayMesh(Input=XMLPolyDataReader(FileName=ROOT + "/sample_data/torus.vtp"), Engine="Qhull")
+voronoi = VoronoiSkeleton(Input=InteriorCells(Input=mesh))
 print(voronoi.Method, voronoi.LeastSeparation, voronoi.LeastAngle)
 found = {}
 for method in ("Sk1", "Sk2", "Sk3", "Sk4"):
@@ -37,7 +37,7 @@ np.savez("out.npz", **found)
         str(defaults.least_angle),
     ]
     out = np.load(tmp_path / "out.npz")
-    mesh = triangulate(np.asarray(pyvista.read(SAMPLES / "torus.vtp").points))
+    mesh = triangulate(np.asarray(pyvista.read(SAMPLES / "torus.vtp").points), engine="qhull")
     inside = interior(mesh)
     for method in ("sk1", "sk2", "sk3", "sk4"):
         expected = voronoi_skeleton(mesh, inside=inside, method=method, least_angle=30)

@@ -44,7 +44,7 @@ def prune(parent: Ints, balls: Balls, start: Ints, tips: Ints, diagonal: float, 
         tick(0.0)
         left = np.flatnonzero(fringe.left)
         values = significance(fringe.excess[:, left], fringe.ratio[:, left], fringe.alone[left], diagonal)
-        least = int(values.argmin())
+        least = int(np.lexsort([fringe.excess[0, left], values])[0])  # edges of plates are worth the same at most
         tip = int(left[least])
         excess[tip], worth[tip] = fringe.excess[0, tip], values[least]
         fringe.cut(tip)
