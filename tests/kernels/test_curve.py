@@ -53,8 +53,6 @@ def test_tubes_have_their_axes(name: str, density: int) -> None:
 @pytest.mark.parametrize("density", [0, 1] if numba_is_used() else [0])
 @pytest.mark.parametrize("name", sorted(TUBES))
 def test_noisy_tubes_too(name: str, density: int) -> None:
-    if (name, density) == ("helix", 0):
-        pytest.xfail("a false branch, which starts where a spur was taken for the end")
     tube = TUBES[name]()
     skeleton = curve_skeleton(tube.sample(NOISY[name][density], seed=density, noise=0.005))
     check_against_axis(skeleton, tube)

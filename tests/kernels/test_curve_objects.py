@@ -52,7 +52,13 @@ def test_balls_apart_have_a_point_each() -> None:
     assert skeleton.radius == pytest.approx(1, rel=0.02)
 
 
-GAPS = [0.02, 0.0, -0.05, -0.2]
+LOST = "one point in one of the balls: the way to the other turns back there and ends between them"
+GAPS = [
+    pytest.param(0.02, marks=[] if numba_is_used() else pytest.mark.xfail(strict=True, reason=LOST)),
+    0.0,
+    -0.05,
+    -0.2,
+]
 
 
 @pytest.mark.parametrize("gap", GAPS if FAST else [GAPS[0], GAPS[-1]])
@@ -97,8 +103,8 @@ if FAST:
     RESAMPLED += [
         ("double torus", 6000, 2),
         ("tree", 9000, 2),
-        pytest.param("helix", 9000, 3, marks=pytest.mark.xfail(strict=True, reason=WANDERING.format("3.2 %"))),
-        pytest.param("capsule", 5000, 2, marks=pytest.mark.xfail(strict=True, reason=WANDERING.format("4.1 %"))),
+        ("helix", 9000, 3),
+        ("capsule", 5000, 2),
         pytest.param("bent tube", 5000, 3, marks=pytest.mark.xfail(strict=True, reason=WANDERING.format("3.6 %"))),
     ]
 

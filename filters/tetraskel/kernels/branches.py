@@ -33,7 +33,7 @@ STRAIGHT = 0.3  # a path goes straight on while it leaves the line through its e
 FINE_SAMPLE = 0.06  # where an end is looked for
 # A branch from within this many radii of an end only makes the line longer, and is worth this share of a new one: at
 # a flat end, the way into a corner.
-LONGER, NEAR_END = 0.5, 0.75
+LONGER, NEAR_END = 0.45, 0.75
 # A line goes on from its end to a tip within so many radii, when the two directions make at least a half turn but
 # for an angle with this cosine; so many tips are tried.
 ONWARDS, FACING, TRIED = 3.0, 0.7, 20
@@ -178,6 +178,8 @@ class _Drawing:
             beyond = self._onwards(path[::-1], np.concatenate([significant, self._tips_ahead(path[::-1])]))
             if len(beyond):
                 self._add(beyond, worth)
+            else:
+                self.ends.append(int(path[-1]))
 
     def _add(self, path: Ints, worth: float) -> None:
         self._draw(path, worth)
