@@ -67,9 +67,7 @@ def _object(chosen: argparse.Namespace, source):
     from tetraskel.vtkfilters import DelaunayMesh
     from tetraskel.vtkfilters.convert import array_of, holds_simplices, mesh_of
 
-    steps = interior_cells(chosen)
-    for step in steps:
-        step.extract = False  # circumcentres of outer simplices may lie inside
+    steps = interior_cells(chosen, extract=False)
     if chosen.points_only or not holds_simplices(source):
         steps.insert(0, DelaunayMesh(**values(chosen, DelaunayOptions)))
     data = run_filters(source, steps) if steps else source
