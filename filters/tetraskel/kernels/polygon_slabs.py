@@ -109,8 +109,8 @@ def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, F
     near = THIN * width[walls.polygon]
     # the last line at or before the left end, and before the right end: lines of one polygon lie in one range
     keys = np.repeat(np.arange(n_polygons), np.diff(starts))
-    left = _last_line(keys, lines, starts, walls.polygon, walls.ends[:, 0, 0] + near)
-    right = _last_line(keys, lines, starts, walls.polygon, walls.ends[:, 1, 0] - near)
+    left = np.maximum(_last_line(keys, lines, walls.polygon, walls.ends[:, 0, 0] + near), starts[walls.polygon])
+    right = _last_line(keys, lines, walls.polygon, walls.ends[:, 1, 0] - near)  # none: a wall as short as rounding
     right = np.minimum(right, starts[walls.polygon + 1] - 2)
     counts = np.maximum(right - left + 1, 0)
     wall = np.repeat(np.arange(len(counts)), counts)
@@ -121,15 +121,15 @@ def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, F
     return slab[order], u[order], wall[order], heights[order]
 
 
-def _last_line(keys: Ints, lines: Floats, starts: Ints, polygon: Ints, u: Floats) -> Ints:
-    """Number of the last line of each polygon at or left of u."""
+def _last_line(keys: Ints, lines: Floats, polygon: Ints, u: Floats) -> Ints:
+    """Number of the last line of each polygon at or left of u; one of the polygon before where there is none."""
     all_keys, all_u = np.concatenate([keys, polygon]), np.concatenate([lines, u])
     asked = np.arange(len(all_keys)) >= len(keys)
     order = np.lexsort([asked, all_u, all_keys])
     before = np.cumsum(~asked[order]) - 1
     found = np.empty(len(order), np.int64)
     found[order] = before
-    return np.maximum(found[len(keys) :], starts[polygon])
+    return found[len(keys) :]
 
 
 def _heights(ends: Floats, u: Floats) -> Floats:

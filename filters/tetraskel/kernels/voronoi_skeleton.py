@@ -22,7 +22,7 @@ from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, w
 from tetraskel.kernels.voronoi_elements import Elements, of_cells, whole_faces, with_pieces, with_polygons
 from tetraskel.kernels.voronoi_faces import ordered, voronoi_faces
 from tetraskel.kernels.voronoi_lines import found_in
-from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside
+from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside, vertices_on_boundary
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton, merged, simplified
 from tetraskel.options import VoronoiOptions
 
@@ -118,6 +118,8 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     everywhere = voronoi_faces(diagram, np.arange(len(diagram.simplices)))
     is_whole = everywhere.closed & everywhere.all_of(whole[diagram.edge_of_half[everywhere.ahead]])
     is_whole &= ~found_in(everywhere.keys, crossings.faces)
+    touching = vertices_on_boundary(diagram, crossings)
+    is_whole &= ~everywhere.all_of(touching[everywhere.cells])  # nothing is known of such a face
     some = everywhere.any_of(inside[everywhere.cells]) | found_in(everywhere.keys, crossings.faces)
     tick(0.7)
     faces = ordered(diagram, everywhere, np.flatnonzero(is_whole))
