@@ -155,25 +155,30 @@ def _starts(facets: Ints, keys: Ints, lines: Ints, pairs: Ints) -> tuple[Ints, I
     return triangles[new], pairs[places][new]
 
 
+def _dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products of rows: many times faster than a sum along the short axis."""
+    return np.asarray(np.einsum("ka,ka->k", a, b))
+
+
 def _common_lines(x: Floats, triangles: Ints, normals: Floats, low: Ints, high: Ints) -> tuple[Floats, Floats, Floats]:
     """Lines in the triangles' planes that are equally far from two generators, and their parts in the triangles.
 
     Where the planes are parallel the part is empty: the Voronoi face lies in the boundary and does not cross it.
     """
     across = x[high] - x[low]
-    in_plane = across - normals * (across * normals).sum(axis=1, keepdims=True)
+    in_plane = across - normals * _dot(across, normals)[:, None]
     ways = np.cross(normals, in_plane)
-    square = (in_plane**2).sum(axis=1)
+    square = _dot(in_plane, in_plane)
     corners = x[triangles]
-    to_middle = (((x[high] + x[low]) / 2 - corners[:, 0]) * across).sum(axis=1)
-    parallel = square <= np.finfo(float).eps * (across**2).sum(axis=1)
+    to_middle = _dot((x[high] + x[low]) / 2 - corners[:, 0], across)
+    parallel = square <= np.finfo(float).eps * _dot(across, across)
     origins = corners[:, 0] + in_plane * (to_middle / np.where(parallel, 1.0, square))[:, None]
     spans = np.tile([-np.inf, np.inf], (len(low), 1))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         inward = np.cross(normals, corners[:, j] - corners[:, i])
-        inward *= np.sign((inward * (corners[:, k] - corners[:, i])).sum(axis=1))[:, None]
-        gap = (inward * (origins - corners[:, i])).sum(axis=1)
-        slope = (inward * ways).sum(axis=1)
+        inward *= np.sign(_dot(inward, corners[:, k] - corners[:, i]))[:, None]
+        gap = _dot(inward, origins - corners[:, i])
+        slope = _dot(inward, ways)
         with np.errstate(divide="ignore", invalid="ignore"):
             place = -gap / slope
         spans[:, 0] = np.where(slope > 0, np.maximum(spans[:, 0], place), spans[:, 0])

@@ -19,6 +19,7 @@ Bools = NDArray[np.bool_]
 
 # Crossings of one edge closer than this share of the bounding-box diagonal are one.
 SAME = 1e-9
+LIKELY_BITS = 22
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,9 @@ def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, ou
     edges, positions, normals, sure = edges[kept], met.positions[kept], met.normals[kept], met.sure[kept]
     start, stop = (diagram.positions[diagram.ends[edges, k]] for k in (0, 1))
     way = stop - start
-    length = (way**2).sum(axis=1)
-    places = ((positions - start) * way).sum(axis=1) / np.where(length == 0, 1.0, length)
-    entering = (way * normals).sum(axis=1) < 0
+    length = np.einsum("ka,ka->k", way, way)
+    places = np.einsum("ka,ka->k", positions - start, way) / np.where(length == 0, 1.0, length)
+    entering = np.einsum("ka,ka->k", way, normals) < 0
     order = np.lexsort([entering, places, edges])
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
     entering, sure = entering[order], sure[order]
@@ -128,20 +129,20 @@ def _edges_of(diagram: VoronoiDiagram, generators: Ints) -> Ints:
 
     Facets are compared by the sums of random-looking numbers of their points, and then by the points.
     """
-    wanted = scramble(generators.astype(np.uint64)).sum(axis=1, dtype=np.uint64)
+    names = scramble(np.arange(len(diagram.coordinates), dtype=np.uint64))
+    wanted = names[generators].sum(axis=1, dtype=np.uint64)
     once, back = np.unique(wanted, return_inverse=True)
     found = np.full(len(once), -1, np.int64)
-    touched = np.zeros(len(diagram.coordinates), bool)
-    touched[generators] = True
-    cells = np.flatnonzero(touched[diagram.simplices].sum(axis=1) >= diagram.dim)
-    if len(once) and len(cells):
-        numbers = scramble(diagram.simplices[cells].astype(np.uint64))
-        sums = (numbers.sum(axis=1, dtype=np.uint64)[:, None] - numbers).ravel()
-        place = np.minimum(np.searchsorted(once, sums), len(once) - 1)
-        hits = np.flatnonzero(once[place] == sums)
-        width = diagram.dim + 1
-        halves = cells[hits // width] * np.int64(width) + hits % width
-        found[place[hits]] = diagram.edge_of_half[halves]
+    if len(once):
+        of_simplex = names[diagram.simplices]
+        sums = of_simplex.sum(axis=1, dtype=np.uint64)[diagram.halves // (diagram.dim + 1)]
+        sums -= of_simplex.ravel()[diagram.halves]
+        likely = np.zeros(1 << LIKELY_BITS, bool)  # a look into this table is all that most facets cost
+        likely[once >> np.uint64(64 - LIKELY_BITS)] = True
+        candidates = np.flatnonzero(likely[sums >> np.uint64(64 - LIKELY_BITS)])
+        place = np.minimum(np.searchsorted(once, sums[candidates]), len(once) - 1)
+        hits = once[place] == sums[candidates]
+        found[place[hits]] = candidates[hits]
     edges = found[back.ravel()]
     rows = np.flatnonzero(edges >= 0)
     wrong = (diagram.facet_points(edges[rows]) != np.sort(generators[rows], axis=1)).any(axis=1)

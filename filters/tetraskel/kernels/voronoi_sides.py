@@ -199,15 +199,18 @@ def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edge
     Before the first crossing it is as the edge's first end, after the last as its last end; between two it is inside
     where the edge enters at the one and leaves at the other.
     """
-    first, last = np.searchsorted(crossings.edges, edges), np.searchsorted(crossings.edges, edges + 1)
+    result = inside[diagram.ends[edges, 0]]
+    crossed = np.zeros(len(diagram.ends), bool)
+    crossed[crossings.edges] = True
+    rows = np.flatnonzero(crossed[edges])
     keys = crossings.edges + 0.5 * crossings.places  # ascending; an edge's keys are below the next one's
-    at = np.searchsorted(keys, edges + 0.5 * places)
-    result = inside[diagram.ends[edges, 0]].copy()
-    beyond = (last > first) & (at == last)
-    result[beyond] = inside[diagram.ends[edges[beyond], 1]]
-    between = (at > first) & (at < last)
+    at = np.searchsorted(keys, edges[rows] + 0.5 * places[rows])
+    padded = np.concatenate([[-1], crossings.edges, [-1]])
+    beyond, begun = padded[at + 1] != edges[rows], padded[at] == edges[rows]
+    result[rows[beyond]] = inside[diagram.ends[edges[rows[beyond]], 1]]
+    between = begun & ~beyond
     after = at[between]
-    result[between] = crossings.entering[after - 1] & ~crossings.entering[after]
+    result[rows[between]] = crossings.entering[after - 1] & ~crossings.entering[after]
     return result
 
 
