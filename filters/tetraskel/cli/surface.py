@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.errors import InputError
 from tetraskel.options import SurfaceOptions
 
 
@@ -18,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
     add_json(parser)
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    parser.add_argument("--sheets", metavar="FILE", help="medial sheets to be covered too, .vtp .vtk; for plates")
     parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
     add_options(parser, SurfaceOptions)
 
@@ -32,11 +34,31 @@ def run(chosen: argparse.Namespace) -> None:
     step = SkeletonSurface(**values(chosen, SurfaceOptions))
     write = prepared(chosen, _writers())
     source = read_skeleton(chosen.input, chosen.radius_array)
+    if chosen.sheets:
+        source = _with_sheets(source, read(chosen.sheets))
     if chosen.against:
         step.SetInputDataObject(1, read(chosen.against))
     result = run_filters(source, [step])
     written(chosen, source, result, write)
     tell(chosen, source, result, _summary(chosen, source, result))
+
+
+def _with_sheets(skeleton, sheets):
+    """One data set of both, with the arrays that both have."""
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+
+    if not isinstance(sheets, vtkPolyData) or not sheets.GetNumberOfPolys():
+        raise InputError(
+            f"expected medial sheets, faces with radii, for --sheets, got {sheets.GetClassName()} without."
+        )
+    both = vtkAppendPolyData()
+    both.AddInputData(skeleton)
+    both.AddInputData(sheets)
+    both.Update()
+    result = both.GetOutput()
+    result.GetFieldData().PassData(skeleton.GetFieldData())
+    return result
 
 
 def _writers() -> dict:
