@@ -13,7 +13,7 @@ from paraview import simple
 LEAST_ANGLE = 0.0  # degrees; Voronoi elements seen at less are left out
 RESOLUTION = 128  # grid points along the longest side, for the skeletons of masks
 COLUMNS, ROWS = 5, 2
-NARROW = 0.6  # of a view's height may be its width: ten views in one window are narrow, and have no size yet
+NARROW = 0.7  # of a view's height may be its width: ten views in one window are narrow, and have no size yet
 VIEW_ANGLE = 30.0  # degrees, from top to bottom
 RADIUS = "MaximumInscribedSphereRadius"
 
