@@ -23,7 +23,8 @@ from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
 from tetraskel.kernels.surface_error import surface_error
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
-from tetraskel.kernels.voronoi_skeleton import VoronoiSkeleton, voronoi_skeleton
+from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton
+from tetraskel.kernels.voronoi_skeleton import voronoi_skeleton
 from tetraskel.pipeline import tree_skeleton
 
 __version__ = "0.1.0"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,14 +10,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetraskel.errors import Aborted, InputError, InsideWarning, TetraskelError
+from tetraskel.errors import Aborted, InputError, TetraskelError
 from tetraskel.kernels.bezier_skeleton import bezier_skeleton
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.curve import curve_skeleton, lifted
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.drawn import Drawn, drawn_raster, drawn_skeleton, drawn_tree, drawn_voronoi
 from tetraskel.kernels.drawn_measures import MEASURES, judge
-from tetraskel.kernels.interior import inside_by_labels, interior
+from tetraskel.kernels.interior import inside_of_object
 from tetraskel.kernels.mesh import Triangulation, submesh
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.object_boundary import Boundary, boundary_of, given_boundary
@@ -170,14 +169,7 @@ def _mesh(points_or_mesh: ArrayLike | Triangulation, denoise: bool, tick: Tick) 
 
 
 def _inside(mesh: Triangulation, given: ArrayLike | None, tick: Tick) -> Bools:
-    if given is not None:
-        inside = inside_by_labels(len(mesh), given)
-    elif mesh.engine == "given":
-        inside = np.ones(len(mesh), bool)
-    else:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
-            inside = interior(mesh, tick=tick)
+    inside = inside_of_object(mesh, given, tick)
     if not inside.any():
         raise InputError(
             f"expected an object with an inside, got none of {len(mesh)} cells inside; label some, or take all."

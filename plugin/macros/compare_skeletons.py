@@ -6,11 +6,15 @@ views turn together, and the pipeline entries are named after the methods. A met
 says so; why is in the output messages. A colour is the same radius in every view; the tree is coloured by depth.
 """
 
+import math
+
 from paraview import simple
 
 LEAST_ANGLE = 0.0  # degrees; Voronoi elements seen at less are left out
 RESOLUTION = 128  # grid points along the longest side, for the skeletons of masks
 COLUMNS, ROWS = 5, 2
+NARROW = 0.7  # of a view's height may be its width: ten views in one window are narrow, and have no size yet
+VIEW_ANGLE = 30.0  # degrees, from top to bottom
 RADIUS = "MaximumInscribedSphereRadius"
 
 
@@ -128,15 +132,16 @@ def look_at(views, source):
     """One camera for all: from the front and above, or straight down on what is flat."""
     bounds = source.GetDataInformation().GetBounds()
     centre = [(bounds[k] + bounds[k + 1]) / 2 for k in (0, 2, 4)]
-    size = max(bounds[k + 1] - bounds[k] for k in (0, 2, 4))
+    reach = sum((bounds[k + 1] - bounds[k]) ** 2 for k in (0, 2, 4)) ** 0.5 / 2
     flat = bounds[4] == bounds[5]
     way, up = ([0, 0, 1], [0, 1, 0]) if flat else ([1, -2, 1.4], [0, 0, 1])
+    half = math.atan(NARROW * math.tan(math.radians(VIEW_ANGLE) / 2))  # of the angle from left to right
+    away = reach / math.sin(half) / math.hypot(*way)
     for view in views:
         view.CameraFocalPoint = centre
-        view.CameraPosition = [c + size * w for c, w in zip(centre, way, strict=True)]
+        view.CameraPosition = [c + away * w for c, w in zip(centre, way, strict=True)]
         view.CameraViewUp = up
-        simple.ResetCamera(view)
-        view.CameraViewAngle = 22.0
+        view.CameraViewAngle = VIEW_ANGLE
         simple.Render(view)
 
 

@@ -160,3 +160,23 @@ def test_bad_use_of_bezier_is_one_line(tmp_path, capsys, monkeypatch, arguments,
     status, out, err = run(capsys, "bezier", *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert message in err
+
+
+def test_surface_covers_sheets_too(tmp_path, capsys, branching):
+    triangle = pyvista.PolyData([[5.0, 0, 0], [5.3, 0, 0], [5, 0.3, 0]], faces=[3, 0, 1, 2])
+    triangle["MaximumInscribedSphereRadius"] = [0.4, 0.4, 0.4]
+    triangle.save(tmp_path / "sheets.vtp")
+    arguments = (branching, tmp_path / "o.vtp", "--sheets", tmp_path / "sheets.vtp", "--spacing", "0.1")
+    status, _, err = run(capsys, "surface", *arguments)
+    assert (status, err) == (0, "")
+    points, radius = np.concatenate([POINTS, triangle.points]), np.concatenate([RADIUS, [0.4, 0.4, 0.4]])
+    edges = np.concatenate([EDGES, 4 + np.array([[0, 1], [0, 2], [1, 2]])])
+    expected = skeleton_surface((points, edges, radius), spacing=0.1)
+    assert pyvista.read(tmp_path / "o.vtp").n_cells == len(expected.simplices)
+
+
+def test_surface_wants_faces_for_sheets(tmp_path, capsys, branching):
+    pyvista.PolyData([[0.0, 0, 0]]).save(tmp_path / "points.vtp")
+    status, _, err = run(capsys, "surface", branching, tmp_path / "o.vtp", "--sheets", tmp_path / "points.vtp")
+    assert status == 2
+    assert "expected medial sheets, faces with radii, for --sheets, got" in err

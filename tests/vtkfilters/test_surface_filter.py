@@ -146,3 +146,26 @@ def test_cells_too_coarse_are_said(messages):
     assert "40 of 40 balls are thinner than the cells of 1 can show" in messages.GetOutput()
     surface_step(ring(), max_cells=1000).run()
     assert "raise MaxCells or set Spacing" in messages.GetOutput()
+
+
+def sheet(side=11, radius=0.3):
+    """A square of 2 by 2 in triangles, with balls on its points."""
+    x, y = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side), indexing="ij")
+    places = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    corner = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    lower = np.stack([corner, corner + side, corner + side + 1], axis=1)
+    upper = np.stack([corner, corner + side + 1, corner + 1], axis=1)
+    data = vtkPolyData()
+    data.SetPoints(to_points(places))
+    data.SetPolys(to_cells(np.concatenate([lower, upper])))
+    add_arrays(data.GetPointData(), {"MaximumInscribedSphereRadius": np.full(len(places), radius)})
+    return data
+
+
+def test_faces_give_back_a_plate():
+    data = surface_step(sheet(), spacing=0.05).run()
+    assert n_open_edges(data) == 0
+    assert data.GetNumberOfPoints() - data.GetNumberOfCells() / 2 == 2  # a sphere, by its Euler characteristic
+    places = points_of(data)
+    within = np.abs(places[:, :2]).max(axis=1) < 1
+    assert np.abs(places[within, 2]) == pytest.approx(0.3, abs=0.02)  # sides 0.2 apart sag by 0.017

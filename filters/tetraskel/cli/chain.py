@@ -43,11 +43,14 @@ def add_inside(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def interior_cells(chosen: argparse.Namespace) -> list[SkeletonFilter]:
-    """The filter that keeps the inside, or none where everything is inside."""
+def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[SkeletonFilter]:
+    """The filter that marks the inside, or keeps it alone; none where everything is inside.
+
+    Most skeletons need the whole mesh: circumcentres of outer simplices may lie inside.
+    """
     if chosen.inside == "all":
         return []
-    step = InteriorCells(**values(chosen, InteriorOptions), label_array=chosen.label_array, extract=True)
+    step = InteriorCells(**values(chosen, InteriorOptions), label_array=chosen.label_array, extract=extract)
     if chosen.inside in ("surface", "outline"):
         if not chosen.boundary:
             raise InputError(f"expected --boundary FILE with --inside {chosen.inside}, got none.")
@@ -66,11 +69,23 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
     finish(chosen, source, run_filters(source, steps), write, from_cells=steps[0] is not filters[0])
 
 
-def prepared(chosen: argparse.Namespace) -> Callable[[vtkPolyData], None]:
-    """What writes the result, after all that can be wrong with the outputs has been looked at."""
+def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
+    """What writes the result, after all that can be wrong with the outputs has been looked at.
+
+    `writers` by suffix, where a command has others than most.
+    """
     if getattr(chosen, "png", None):
         check_output(chosen.png, (".png",))
-    return writer_for(chosen.output, chosen.input)
+    return writer_for(chosen.output, chosen.input, writers)
+
+
+def written(
+    chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, write: Callable[[vtkPolyData], None]
+) -> None:
+    """Write the result, and draw it where asked."""
+    write(result)
+    if getattr(chosen, "png", None):
+        draw(source, result, chosen.png)
 
 
 def finish(
@@ -82,9 +97,7 @@ def finish(
     from_cells: bool,
 ) -> None:
     """Write, draw, and say what was done."""
-    write(result)
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    written(chosen, source, result, write)
     tell(chosen, source, result, summary(chosen, source, result, from_cells=from_cells))
 
 

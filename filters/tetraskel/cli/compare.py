@@ -36,8 +36,8 @@ def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
     from tetraskel.cli.comparison_files import Judged, checked_folder, write_all
     from tetraskel.cli.files import read
-    from tetraskel.cli.progress import ProgressLine
     from tetraskel.comparison import chosen_methods, compare
+    from tetraskel.vtkfilters.progress import ProgressLine
 
     options = values(chosen, CompareOptions)
     values(chosen, DelaunayOptions)
@@ -67,9 +67,7 @@ def _object(chosen: argparse.Namespace, source):
     from tetraskel.vtkfilters import DelaunayMesh
     from tetraskel.vtkfilters.convert import array_of, holds_simplices, mesh_of
 
-    steps = interior_cells(chosen)
-    for step in steps:
-        step.extract = False  # circumcentres of outer simplices may lie inside
+    steps = interior_cells(chosen, extract=False)
     if chosen.points_only or not holds_simplices(source):
         steps.insert(0, DelaunayMesh(**values(chosen, DelaunayOptions)))
     data = run_filters(source, steps) if steps else source

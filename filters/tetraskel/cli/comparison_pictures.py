@@ -67,7 +67,7 @@ def _scene(plotter, row: Row, skeleton: vtkPolyData, boundary: vtkPolyData, wide
     elif data.n_points:
         plotter.add_mesh(data, line_width=5 if few else 1, point_size=6 if few else 2, **style)
     title = f"{row.method} ({len(row.drawn):,} points)"
-    plotter.add_text(title, font_size=14, color="black", position="upper_edge")
+    plotter.add_text(title, font_size=12, color="black", position="upper_edge")
     if flat:
         plotter.view_xy()
     else:

@@ -36,7 +36,5 @@ def run(chosen: argparse.Namespace) -> None:
         source = read(chosen.input, images=True)
         finish(chosen, source, run_filters(source, [step]), write, from_cells=False)
         return
-    inside = interior_cells(chosen)
-    for one in inside:
-        one.extract = False
-    run_chain(chosen, [DelaunayMesh(**values(chosen, DelaunayOptions)), *inside, step])
+    mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
+    run_chain(chosen, [mesh, *interior_cells(chosen, extract=False), step])

@@ -81,7 +81,7 @@ def _tree(chosen: argparse.Namespace, extras: dict) -> None:
     tree = TreeBuilder(**values(chosen, TreeOptions))
     flat = FlatTetraRemoval(**values(chosen, FlatOptions))
     drawn = SkeletonOutput(**values(chosen, SkeletonOptions))
-    run_chain(chosen, [mesh, *interior_cells(chosen), tree, flat, drawn])
+    run_chain(chosen, [mesh, *interior_cells(chosen, extract=True), tree, flat, drawn])
     for write in extras.values():
         write(drawn.GetOutputDataObject(0))
 
@@ -92,9 +92,6 @@ def _curve(chosen: argparse.Namespace, extras: dict) -> None:
 
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
     curve = CurveSkeleton(**values(chosen, CurveOptions), sheets=chosen.sheets is not None)
-    inside = interior_cells(chosen)
-    for step in inside:
-        step.extract = False
-    run_chain(chosen, [mesh, *inside, curve])
+    run_chain(chosen, [mesh, *interior_cells(chosen, extract=False), curve])
     for name, write in extras.items():
         write(curve.GetOutputDataObject(PORTS.get(name, 0)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.errors import InputError
 from tetraskel.options import SurfaceOptions
 
 
@@ -18,30 +19,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
     add_json(parser)
     parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    parser.add_argument("--sheets", metavar="FILE", help="medial sheets to be covered too, .vtp .vtk; for plates")
     parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
     add_options(parser, SurfaceOptions)
 
 
 def run(chosen: argparse.Namespace) -> None:
     """Rebuild, write, and say how near it comes."""
-    from tetraskel.cli.chain import run_filters, tell
-    from tetraskel.cli.files import check_output, read, writer_for
-    from tetraskel.cli.picture import draw
+    from tetraskel.cli.chain import prepared, run_filters, tell, written
+    from tetraskel.cli.files import read
     from tetraskel.cli.swc import read_skeleton
     from tetraskel.vtkfilters import SkeletonSurface
 
     step = SkeletonSurface(**values(chosen, SurfaceOptions))
-    if getattr(chosen, "png", None):
-        check_output(chosen.png, (".png",))
-    write = writer_for(chosen.output, chosen.input, _writers())
+    write = prepared(chosen, _writers())
     source = read_skeleton(chosen.input, chosen.radius_array)
+    if chosen.sheets:
+        source = _with_sheets(source, read(chosen.sheets))
     if chosen.against:
         step.SetInputDataObject(1, read(chosen.against))
     result = run_filters(source, [step])
-    write(result)
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    written(chosen, source, result, write)
     tell(chosen, source, result, _summary(chosen, source, result))
+
+
+def _with_sheets(skeleton, sheets):
+    """One data set of both, with the arrays that both have."""
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+
+    if not isinstance(sheets, vtkPolyData) or not sheets.GetNumberOfPolys():
+        raise InputError(
+            f"expected medial sheets, faces with radii, for --sheets, got {sheets.GetClassName()} without."
+        )
+    both = vtkAppendPolyData()
+    both.AddInputData(skeleton)
+    both.AddInputData(sheets)
+    both.Update()
+    result = both.GetOutput()
+    result.GetFieldData().PassData(skeleton.GetFieldData())
+    return result
 
 
 def _writers() -> dict:

@@ -30,8 +30,6 @@ def run(chosen: argparse.Namespace) -> None:
     from tetraskel.vtkfilters import DelaunayMesh, VoronoiSkeleton
 
     check_output(chosen.output, (".vtp", ".vtk", ".csv"))  # the formats of graphs would lose the faces
-    inside = interior_cells(chosen)
-    for step in inside:
-        step.extract = False  # circumcentres of outer simplices may lie inside
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
+    inside = interior_cells(chosen, extract=False)
     run_chain(chosen, [mesh, *inside, VoronoiSkeleton(**values(chosen, VoronoiOptions))])

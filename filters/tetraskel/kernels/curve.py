@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetraskel.errors import InputError, InsideWarning, TetraskelError
+from tetraskel.errors import InputError, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
 from tetraskel.kernels.branches import Branches, grow_branches
 from tetraskel.kernels.burning import burn_times
@@ -21,7 +20,7 @@ from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
-from tetraskel.kernels.interior import interior
+from tetraskel.kernels.interior import inside_of_object
 from tetraskel.kernels.loops import Loops, find_loops
 from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
@@ -146,7 +145,7 @@ def curve_model(
     InputError
         When nothing is inside.
     """
-    labels = _inside(mesh, inside, part(tick, 0.0, 0.25))
+    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.25))
     inner = inner_mesh(mesh, labels)
     if len(inner.simplices) == 0 and len(mesh.points):
         raise InputError(
@@ -176,16 +175,6 @@ def curve_model(
     branches = grow_branches(core, nodes.positions, nodes.radii, burn, part(tick, 0.92, 1.0))
     anchors = anchor_points(inner, nodes, core, branches, tick)
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
-
-
-def _inside(mesh: Triangulation, inside: ArrayLike | None, tick: Tick) -> Bools:
-    if inside is not None:
-        return interior(mesh, method="array", labels=inside)
-    if mesh.engine == "given" or len(mesh) == 0:
-        return np.ones(len(mesh), bool)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
-        return interior(mesh, tick=tick)
 
 
 def _facet_widths(inner: InnerMesh) -> Floats:

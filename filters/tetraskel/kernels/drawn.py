@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.raster_skeleton import RasterSkeleton
 from tetraskel.kernels.skeleton import TreeSkeleton
-from tetraskel.kernels.voronoi_skeleton import VoronoiSkeleton
+from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.basins import Basins, gather_basins
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import widths_and_rooms
 from tetraskel.kernels.spanning_tree import RootedTree, maximum_spanning_tree, rooted
@@ -80,7 +80,7 @@ def gate_tree(mesh: Triangulation, *, tick: Tick = silent) -> GateTree:
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
     """
-    widths, rooms = widths_and_rooms(mesh.coordinates, mesh.simplices, lambda done: tick(0.5 * done))
+    widths, rooms = widths_and_rooms(mesh.coordinates, mesh.simplices, part(tick, 0.0, 0.5))
     return gate_tree_of(mesh.neighbors, widths, rooms, tick)
 
 

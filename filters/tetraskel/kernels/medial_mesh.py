@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.chunks import Tick, for_chunks, part, silent
 from tetraskel.kernels.curve import CurveModel
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex
 from tetraskel.kernels.medial_nodes import MedialNodes
@@ -97,7 +97,7 @@ def medial_mesh(model: CurveModel, *, sheet_angle: float = CurveOptions.sheet_an
     inner, nodes = model.inner, model.nodes
     if inner.simplices.shape[1] < 4 or len(inner.simplices) == 0:
         return _no_sheets(inner.mesh.points.shape[1])
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), lambda share: tick(0.5 * share))
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.0, 0.5))
     across = inner.coordinates[cells.ridge_points[:, 1]] - inner.coordinates[cells.ridge_points[:, 0]]
     angle = _object_angles(cells, nodes, across)
     tick(0.6)
@@ -145,7 +145,7 @@ def _fans(cells: DualComplex, nodes: MedialNodes, faces: Ints, across: Floats, a
     points = np.concatenate([positions, centres])
     tick(0.75)
     triangles = np.column_stack([sides, len(positions) + fan])
-    triangles = _turned(points, triangles, across[faces[fan]], lambda share: tick(0.75 + 0.05 * share))
+    triangles = _turned(points, triangles, across[faces[fan]], part(tick, 0.75, 0.8))
     return MedialMesh(points, triangles, np.concatenate([radii, centre_radii]), angle[faces[fan]])
 
 

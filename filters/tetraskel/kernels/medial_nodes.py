@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.chunks import Tick, for_chunks, part, silent
 from tetraskel.kernels.loops_in_python import run_loop
 
 Floats = NDArray[np.float64]
@@ -250,8 +250,8 @@ def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Ti
     MedialNodes
         In the order of the simplices.
     """
-    centres, circumradii, seen_through = circumcentres(coordinates, simplices, lambda share: tick(0.3 * share))
-    homes = _homes(coordinates, simplices, neighbors, centres, seen_through, lambda share: tick(0.3 + 0.7 * share))
+    centres, circumradii, seen_through = circumcentres(coordinates, simplices, part(tick, 0.0, 0.3))
+    homes = _homes(coordinates, simplices, neighbors, centres, seen_through, part(tick, 0.3, 1.0))
     homes[np.isnan(circumradii)] = -1
     flat = relative_volumes(coordinates, simplices) < FLAT
     borrow_centres(neighbors, flat, centres, circumradii, homes)

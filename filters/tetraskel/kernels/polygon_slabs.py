@@ -73,8 +73,11 @@ def walls_from(polygon: Ints, ends: Floats, kind: Ints) -> Walls:
     return Walls(polygon[kept], ends[kept], kind[kept])
 
 
-def slab_lines(walls: Walls, n_polygons: int) -> tuple[Ints, Floats]:
-    """Where each polygon's lines begin, and their u, ascending; lines closer than rounding are one."""
+def slab_lines(walls: Walls, n_polygons: int) -> tuple[Floats, Ints]:
+    """The u of the lines, ascending in each polygon, and (w, 2) the lines through each wall's left and right end.
+
+    Lines closer than rounding are one.
+    """
     polygon, u = np.repeat(walls.polygon, 2), walls.ends[:, :, 0].ravel()
     order = np.lexsort([u, polygon])
     polygon, u = polygon[order], u[order]
@@ -85,7 +88,9 @@ def slab_lines(walls: Walls, n_polygons: int) -> tuple[Ints, Floats]:
     size[some] = u[last[some] - 1] - u[first[some]]
     kept = np.ones(len(u), bool)
     kept[1:] = (np.diff(polygon) != 0) | (np.diff(u) > THIN * size[polygon[1:]])
-    return np.searchsorted(polygon[kept], np.arange(n_polygons + 1)), u[kept]
+    line = np.empty(len(u), np.int64)
+    line[order] = np.cumsum(kept) - 1
+    return u[kept], line.reshape(-1, 2)
 
 
 def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, Floats]:
@@ -101,35 +106,15 @@ def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, F
     heights : (k, 2) float
         v of the wall, left and right.
     """
-    starts, lines = slab_lines(walls, n_polygons)
-    if len(lines) == 0:  # polygons without any width
-        none = np.empty(0, np.int64)
-        return none, np.empty((0, 2)), none, np.empty((0, 2))
-    width = lines[np.maximum(starts[1:] - 1, 0)] - lines[np.minimum(starts[:-1], len(lines) - 1)]
-    near = THIN * width[walls.polygon]
-    # the last line at or before the left end, and before the right end: lines of one polygon lie in one range
-    keys = np.repeat(np.arange(n_polygons), np.diff(starts))
-    left = _last_line(keys, lines, starts, walls.polygon, walls.ends[:, 0, 0] + near)
-    right = _last_line(keys, lines, starts, walls.polygon, walls.ends[:, 1, 0] - near)
-    right = np.minimum(right, starts[walls.polygon + 1] - 2)
-    counts = np.maximum(right - left + 1, 0)
+    lines, ends = slab_lines(walls, n_polygons)
+    left, right = ends.T
+    counts = right - left  # none: a wall as short as rounding
     wall = np.repeat(np.arange(len(counts)), counts)
     slab = np.arange(counts.sum()) + np.repeat(left - (np.cumsum(counts) - counts), counts)
     u = np.stack([lines[slab], lines[slab + 1]], axis=1) if len(slab) else np.empty((0, 2))
     heights = _heights(walls.ends[wall], u)
-    order = np.lexsort([walls.kind[wall], heights.sum(axis=1), slab])
+    order = np.lexsort([walls.kind[wall], heights[:, 0] + heights[:, 1], slab])
     return slab[order], u[order], wall[order], heights[order]
-
-
-def _last_line(keys: Ints, lines: Floats, starts: Ints, polygon: Ints, u: Floats) -> Ints:
-    """Number of the last line of each polygon at or left of u."""
-    all_keys, all_u = np.concatenate([keys, polygon]), np.concatenate([lines, u])
-    asked = np.arange(len(all_keys)) >= len(keys)
-    order = np.lexsort([asked, all_u, all_keys])
-    before = np.cumsum(~asked[order]) - 1
-    found = np.empty(len(order), np.int64)
-    found[order] = before
-    return np.maximum(found[len(keys) :], starts[polygon])
 
 
 def _heights(ends: Floats, u: Floats) -> Floats:
@@ -165,7 +150,8 @@ def trapezoids_of(walls: Walls, cut: tuple[Ints, Floats, Ints, Floats], places: 
     """The parts between walls `places` and the next ones, those without height left out."""
     slab, u, wall, heights = cut
     low, high = heights[places], np.maximum(heights[places + 1], heights[places])
-    kept = (high - low).sum(axis=1) > 0
+    gap = high - low
+    kept = gap[:, 0] + gap[:, 1] > 0
     places, low, high = places[kept], low[kept], high[kept]
     return Trapezoids(walls.polygon[wall[places]], slab[places], u[places], low, high)
 
@@ -209,8 +195,8 @@ def monotone_polygons(parts: Trapezoids) -> tuple[Ints, Ints, Floats]:
 def _moves(owners: Ints, corners: Floats, n_pieces: int) -> Bools:
     """Corners that are away from the one before."""
     before, _, first = _beside(owners, n_pieces)
-    step = np.abs(corners - corners[before]).max(axis=1)
-    reach = np.abs(corners - corners[first[owners]]).max(axis=1)
+    step = np.maximum(*np.abs(corners - corners[before]).T)
+    reach = np.maximum(*np.abs(corners - corners[first[owners]]).T)
     size = np.maximum.reduceat(reach, first) if len(first) else reach
     return np.asarray(step > THIN * size[owners])
 
@@ -220,7 +206,8 @@ def _bends(owners: Ints, corners: Floats, n_pieces: int) -> Bools:
     before, after, _ = _beside(owners, n_pieces)
     back, ahead = corners - corners[before], corners[after] - corners
     turn = back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0]
-    return np.asarray(np.abs(turn) > THIN * np.sqrt((back**2).sum(axis=1) * (ahead**2).sum(axis=1)))
+    lengths = np.einsum("ka,ka->k", back, back) * np.einsum("ka,ka->k", ahead, ahead)
+    return np.asarray(np.abs(turn) > THIN * np.sqrt(lengths))
 
 
 def _beside(owners: Ints, n_pieces: int) -> tuple[Ints, Ints, Ints]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.ball_graph import BallGraph, SkeletonLike, ball_graph, branches_of
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.marching import contour_blocks
 from tetraskel.kernels.plane import Plane, plane_of, roundings_by_axis
 from tetraskel.kernels.round_cones import RoundCones, nearest_along, round_cones
@@ -173,8 +173,8 @@ def _surface(graph: BallGraph, spacing: float, fineness: float, max_cells: int, 
     branch = np.concatenate([branch, np.full(len(alone), -1)])
     cones = round_cones(branches.points, branches.radius, edges)
     grid = grid_around(*branches.box, step)
-    blocks = surface_blocks(cones, grid, lambda share: tick(0.3 * share))
-    parts = _contoured(cones, grid, blocks, lambda share: tick(0.3 + 0.7 * share))
+    blocks = surface_blocks(cones, grid, part(tick, 0.0, 0.3))
+    parts = _contoured(cones, grid, blocks, part(tick, 0.3, 1.0))
     surface = _joined(parts, branch)
     return replace(surface, spacing=float(step), thickened=int(thin.sum()), capped=capped)
 

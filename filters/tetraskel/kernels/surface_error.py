@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.skeleton_surface import RebuiltSurface
 from tetraskel.kernels.surface_rays import SURFACE_PAIRS, Surface, nearest_in_triangles, surface_of, surface_samples
@@ -61,8 +61,8 @@ def surface_error(
     if triangles is None:
         return _numbers("Error", distances(mine, _in_space(places), tick), diagonal)
     theirs = surface_of(places, np.asarray(triangles))
-    there = distances(mine, surface_samples(theirs, SAMPLES), lambda share: tick(0.5 * share))
-    back = distances(theirs, surface_samples(mine, SAMPLES), lambda share: tick(0.5 + 0.5 * share))
+    there = distances(mine, surface_samples(theirs, SAMPLES), part(tick, 0.0, 0.5))
+    back = distances(theirs, surface_samples(mine, SAMPLES), part(tick, 0.5, 1.0))
     return {**_numbers("Error", there, diagonal), **_numbers("BackError", back, diagonal)}
 
 

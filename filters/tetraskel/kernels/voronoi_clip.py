@@ -97,7 +97,7 @@ def _clip(
     asked = np.flatnonzero(walls.kind[wall] <= TOP)
     at = wall[asked]
     span = walls.ends[at, :, 0]
-    share = (u[asked].mean(axis=1) - span[:, 0]) / (span[:, 1] - span[:, 0])
+    share = (0.5 * (u[asked, 0] + u[asked, 1]) - span[:, 0]) / (span[:, 1] - span[:, 0])
     on_edge = places[at, 0] + share * (places[at, 1] - places[at, 0])
     known = plain[edge[at]]
     own_says[asked[known]] = inside_at(diagram, crossings, inside, edge[at[known]], on_edge[known])
@@ -144,10 +144,11 @@ def _within_ball(diagram: VoronoiDiagram, edges: Ints, places: Floats) -> Floats
     middle, radius = (x.max(axis=0) + x.min(axis=0)) / 2, BALL * diagram.size
     start = diagram.positions[diagram.ends[edges, 0]] - middle
     way = diagram.positions[diagram.ends[edges, 1]] - middle - start
-    square = (way**2).sum(axis=1)
-    square = np.where(square == 0, 1.0, square)
-    nearest = -(start * way).sum(axis=1) / square
-    off = ((start + nearest[:, None] * way) ** 2).sum(axis=1)
+    square = np.einsum("ka,ka->k", way, way)
+    square[square == 0] = 1.0
+    nearest = -np.einsum("ka,ka->k", start, way) / square
+    off = start + nearest[:, None] * way
+    off = np.einsum("ka,ka->k", off, off)
     half = np.sqrt(np.maximum(radius**2 - off, 0) / square)
     low, high = np.clip(nearest - half, 0, 1), np.clip(nearest + half, 0, 1)
     return np.clip(places, low[:, None], high[:, None])
@@ -159,9 +160,11 @@ def _boundary_walls(
     """Polygon, ends and kind of the boundary's segments on the faces."""
     if len(faces.keys) == 0:
         return np.empty(0, np.int64), np.empty((0, 2, 2)), np.empty(0, np.int64)
-    place = np.minimum(np.searchsorted(faces.keys, crossings.faces), len(faces.keys) - 1)
-    rows = np.flatnonzero(faces.keys[place] == crossings.faces)
-    face = place[rows]
+    first = np.searchsorted(crossings.faces, faces.keys[0])
+    some = crossings.faces[first : np.searchsorted(crossings.faces, faces.keys[-1], "right")]
+    place = np.searchsorted(faces.keys, some)
+    rows = np.flatnonzero(faces.keys[place] == some)
+    face, rows = place[rows], first + rows
     ends = np.einsum("kea,kba->keb", crossings.segments[rows] - origins[face, None], axes[face])
-    up = (crossings.outward[rows] * axes[face, 1]).sum(axis=1)
+    up = np.einsum("ka,ka->k", crossings.outward[rows], axes[face, 1])
     return face, ends, np.where(up < 0, ENTER, LEAVE)

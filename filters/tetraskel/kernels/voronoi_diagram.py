@@ -22,6 +22,9 @@ Bools = NDArray[np.bool_]
 
 # Rays end this many bounding-box diagonals beyond their first point's distance from the middle: outside of everything.
 FAR = 4.0
+# Relative volume up to which rounding decides the orientation. Needles are flat by their volume but well oriented: two
+# samples of a surface, close together, and one far away.
+UNORIENTED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -166,8 +169,9 @@ def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) ->
         offset, volume, centred[piece] = circumscribed(corners)
         sides = corners[:, 1:] - corners[:, :1]
         spread = np.einsum("aik,aik->k", sides, sides)
-        flat[piece] = np.abs(volume) <= FLAT * spread ** (0.5 * dim)
-        signs[piece] = np.where(flat[piece], 0, np.where(volume < 0, -1, 1))
+        largest = spread ** (0.5 * dim)
+        flat[piece] = np.abs(volume) <= FLAT * largest
+        signs[piece] = np.where(np.abs(volume) <= UNORIENTED * largest, 0, np.where(volume < 0, -1, 1))
         offset /= np.where(volume == 0, 1.0, 2 * volume)
         centres[piece] = np.where(volume == 0, corners.mean(axis=1), corners[:, 0] + offset).T
         radii[piece] = np.sqrt(np.einsum("ak,ak->k", offset, offset))

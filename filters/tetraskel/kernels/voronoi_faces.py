@@ -126,7 +126,7 @@ def _by_angle(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Int
     first_way, second_way, _ = frames(x[high] - x[low])
     third = diagram.simplices.ravel()[faces.ahead[rows]]  # the facet behind holds the vertex opposite to the one ahead
     way = x[third] - x[low][face]
-    angle = np.arctan2((way * second_way[face]).sum(axis=1), (way * first_way[face]).sum(axis=1))
+    angle = np.arctan2(np.einsum("ka,ka->k", way, second_way[face]), np.einsum("ka,ka->k", way, first_way[face]))
     open_at = np.flatnonzero(diagram.neighbors.ravel()[behind] < 0)
     zero = np.full(len(chosen), -np.pi)
     zero[face[open_at]] = angle[open_at]

@@ -44,15 +44,17 @@ class Neighbours:
         ends = np.concatenate([low, high])
         others = np.concatenate([high, low])
         order = np.argsort(ends, kind="stable")
-        self._targets = others[order]
+        self.targets = others[order]
         self._starts = np.searchsorted(ends[order], np.arange(len(self.coordinates) + 1))
+        ways = self.coordinates[self.targets] - self.coordinates[ends[order]]
+        self.ways = np.ascontiguousarray(ways.T)  # (d, total) to each neighbour: long rows are what NumPy is fast on
+        self.squares = np.einsum("ka,ka->k", ways, ways)
 
     def of(self, generators: Ints) -> tuple[Ints, Ints]:
-        """Neighbours of each generator one after another, and how many each has."""
+        """Rows of the neighbours of each generator in `targets`, one after another, and how many each has."""
         counts = self._starts[generators + 1] - self._starts[generators]
         offsets = np.cumsum(counts) - counts
-        places = np.arange(counts.sum()) + np.repeat(self._starts[generators] - offsets, counts)
-        return self._targets[places], counts
+        return np.arange(counts.sum()) + np.repeat(self._starts[generators] - offsets, counts), counts
 
     def prepare(self, generators: Ints) -> None:
         """Make sure that the neighbours of these generators are known."""
@@ -159,18 +161,19 @@ def _bounds(
     neighbours: Neighbours, cells: Ints, beside: Ints, origins: Floats, ways: Floats
 ) -> tuple[Ints, Ints, Floats, Floats]:
     """Neighbours of each cell, how many, and where each begins or ceases to be farther."""
-    candidates, counts = neighbours.of(cells)
-    line = np.repeat(np.arange(len(cells)), counts)
-    origin = origins[line]
-    own, other = neighbours.coordinates[cells][line] - origin, neighbours.coordinates[candidates] - origin
-    gap = ((other - own) * (other + own)).sum(axis=1)  # how much farther the neighbour is at t = 0, squared
-    slope = -2 * (ways[line] * (other - own)).sum(axis=1)
-    used = candidates != beside[line]
+    rows, counts = neighbours.of(cells)
+    candidates = neighbours.targets[rows]
+    own = 2 * (neighbours.coordinates[cells] - origins)
+    gap, slope = neighbours.squares[rows], np.zeros(len(rows))  # how much farther the neighbour is at t = 0, squared
+    for way, offset, step in zip(neighbours.ways, own.T, -2 * ways.T, strict=True):
+        along = way[rows]
+        gap += along * np.repeat(offset, counts)
+        slope += along * np.repeat(step, counts)
+    slope[candidates == np.repeat(beside, counts)] = np.nan  # neither greater nor less
     with np.errstate(divide="ignore", invalid="ignore"):
         place = -gap / slope
-    lower = np.where(used & (slope > 0), place, -np.inf)
-    upper = np.where(used & (slope < 0), place, np.inf)
-    upper[used & (slope == 0) & (gap < 0)] = -np.inf
+    lower, upper = np.where(slope > 0, place, -np.inf), np.where(slope < 0, place, np.inf)
+    upper[(slope == 0) & (gap < 0)] = -np.inf
     return candidates, counts, lower, upper
 
 

@@ -10,9 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.medial_nodes import barycentric_coordinates, walk_to
+from tetraskel.kernels.adjacency import scramble
+from tetraskel.kernels.medial_nodes import LONGEST_WALK, barycentric_coordinates, walk_to
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
+from tetraskel.kernels.voronoi_lines import found_in
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -25,19 +27,43 @@ AT_END = 1e-9
 ABOUT = 1e-6
 
 
+def vertices_on_boundary(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
+    """(m + h,) positions that lie on the boundary, up to rounding; in general position there are none.
+
+    Nothing follows from such a vertex for those it is joined to.
+    """
+    result = np.zeros(len(diagram.positions), bool)
+    at_end = (crossings.places <= AT_END) | (crossings.places >= 1 - AT_END)
+    touched = crossings.positions[at_end | ~crossings.sure]
+    if len(touched):
+        step = AT_END * diagram.size
+        result = found_in(_grid_keys(diagram.positions, step), _grid_keys(touched, step))
+    return result
+
+
+def _grid_keys(positions: Floats, step: float) -> NDArray[np.uint64]:
+    """A random-looking number for each position, rounded."""
+    keys = np.zeros(len(positions), np.uint64)
+    for column in np.clip(np.rint(positions / step), -(2.0**62), 2.0**62).astype(np.int64).view(np.uint64).T:
+        keys = scramble(keys + column)
+    return keys
+
+
 def vertices_inside(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
     """(m + h,) positions of the diagram that lie in the object; circumcentres on its boundary do."""
-    piece = _pieces(diagram, crossings)
+    touching = vertices_on_boundary(diagram, crossings)
+    piece = _pieces(diagram, crossings, touching)
     votes = _votes(diagram, crossings, piece)
     _ask_the_rest(diagram, piece, votes)
     inside = np.zeros(len(diagram.positions), bool)
     inside[: len(piece)] = votes[piece] > 0
     inside[: len(piece)][diagram.centred & diagram.inside] = True
+    inside[: len(piece)][touching[: len(piece)]] = True
     return inside
 
 
-def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
-    """(m,) connected piece of each circumcentre along edges that do not cross the boundary."""
+def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> Ints:
+    """(m,) connected piece of each circumcentre along edges that neither cross nor touch the boundary."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -45,6 +71,7 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
+    crossed |= touching[diagram.ends].any(axis=1)
     joined &= ~crossed[diagram.edge_of_half].reshape(m, width)
     starts = np.concatenate([[0], np.cumsum(joined.sum(axis=1))])
     graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
@@ -90,6 +117,7 @@ def plain_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) ->
     first, last = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
     result[edges[first & (inside[diagram.ends[edges, 0]] == entering)]] = False
     result[edges[last & (inside[diagram.ends[edges, 1]] != entering)]] = False
+    result[vertices_on_boundary(diagram, crossings)[diagram.ends].any(axis=1)] = False
     return result
 
 
@@ -105,11 +133,46 @@ def _ask_the_rest(diagram: VoronoiDiagram, piece: Ints, votes: Ints) -> None:
 def locate(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Bools:
     """(k,) whether places lie in the object, by a walk to each from a simplex."""
     homes = walk_to(diagram.coordinates, diagram.simplices, diagram.neighbors, start, spots)
-    found = (homes >= 0) & np.append(diagram.inside, False)[homes]
-    rows = np.flatnonzero(found)  # a walk that circles among flat simplices ends anywhere
+    holds = _hold(diagram, homes, spots)
+    if (diagram.signs == 0).any():  # such a walk does not come through flat simplices, which show nothing
+        lost = np.flatnonzero(~holds)
+        homes[lost] = _wander(diagram, np.asarray(start)[lost], spots[lost])
+        holds[lost] = _hold(diagram, homes[lost], spots[lost])
+    return holds & np.append(diagram.inside, False)[homes]
+
+
+def _hold(diagram: VoronoiDiagram, homes: Ints, spots: Floats) -> Bools:
+    """(k,) simplices, where there is one (not -1), that hold their place."""
+    result = homes >= 0
+    rows = np.flatnonzero(result)
     weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[homes[rows]], spots[rows])
-    found[rows] = weights.min(axis=1) >= -ABOUT
-    return found
+    result[rows] = weights.min(axis=1) >= -ABOUT
+    return result
+
+
+def _wander(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Ints:
+    """Simplex that holds each place, or -1, by walks that leave flat simplices by a facet drawn by lot.
+
+    They may come out on the wrong side, and are sent back into the flat simplex by the next one, until they are lucky.
+    """
+    at, active = np.array(start, dtype=np.int64), np.arange(len(start))
+    for turn in range(LONGEST_WALK):
+        if len(active) == 0:
+            break
+        cells = at[active]
+        weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[cells], spots[active])
+        ahead = diagram.neighbors[cells]
+        lots = scramble(scramble(ahead.astype(np.uint64)) + np.uint64(turn)) >> np.uint64(11)
+        weights = np.where(np.isneginf(weights), -1.0 - lots.astype(float), weights)
+        arrived = weights.min(axis=1) >= -ABOUT
+        weights[(ahead < 0) | (weights >= 0)] = np.inf
+        way = weights.argmin(axis=1)
+        rows = np.arange(len(cells))
+        target = np.where(np.isinf(weights[rows, way]), -1, ahead[rows, way])
+        at[active] = np.where(arrived, cells, target)
+        active = active[~arrived & (target >= 0)]
+    at[active] = -1
+    return at
 
 
 def touching(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:
@@ -121,10 +184,13 @@ def touching(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bo
 
 
 def edges_wholly_inside(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:
-    """(f,) Voronoi edges with no point outside."""
-    whole = inside[diagram.ends[:, 0]] & inside[diagram.ends[:, 1]]
+    """(f,) Voronoi edges with no point outside; of those that end on the boundary the middle is asked."""
+    ends = diagram.ends
+    whole = np.asarray(inside[ends[:, 0]] & inside[ends[:, 1]])
     whole[crossings.edges[~touching(diagram, crossings, inside)]] = False
-    return np.asarray(whole)
+    asked = np.flatnonzero(whole & vertices_on_boundary(diagram, crossings)[ends].any(axis=1))
+    whole[asked] = locate(diagram, ends[asked, 0], diagram.positions[ends[asked]].mean(axis=1))
+    return whole
 
 
 def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edges: Ints, places: Floats) -> Bools:
@@ -133,15 +199,18 @@ def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edge
     Before the first crossing it is as the edge's first end, after the last as its last end; between two it is inside
     where the edge enters at the one and leaves at the other.
     """
-    first, last = np.searchsorted(crossings.edges, edges), np.searchsorted(crossings.edges, edges + 1)
+    result = inside[diagram.ends[edges, 0]]
+    crossed = np.zeros(len(diagram.ends), bool)
+    crossed[crossings.edges] = True
+    rows = np.flatnonzero(crossed[edges])
     keys = crossings.edges + 0.5 * crossings.places  # ascending; an edge's keys are below the next one's
-    at = np.searchsorted(keys, edges + 0.5 * places)
-    result = inside[diagram.ends[edges, 0]].copy()
-    beyond = (last > first) & (at == last)
-    result[beyond] = inside[diagram.ends[edges[beyond], 1]]
-    between = (at > first) & (at < last)
+    at = np.searchsorted(keys, edges[rows] + 0.5 * places[rows])
+    padded = np.concatenate([[-1], crossings.edges, [-1]])
+    beyond, begun = padded[at + 1] != edges[rows], padded[at] == edges[rows]
+    result[rows[beyond]] = inside[diagram.ends[edges[rows[beyond]], 1]]
+    between = begun & ~beyond
     after = at[between]
-    result[between] = crossings.entering[after - 1] & ~crossings.entering[after]
+    result[rows[between]] = crossings.entering[after - 1] & ~crossings.entering[after]
     return result
 
 

@@ -12,7 +12,6 @@ from tetraskel.errors import InputError
 from tetraskel.kernels.curve import CurveModel, curve_model, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton, line_edges
 from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
-from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
 from tetraskel.vtkfilters.convert import (
@@ -20,11 +19,11 @@ from tetraskel.vtkfilters.convert import (
     add_facts,
     array_of,
     holds_simplices,
-    mesh_of,
     points_of,
     to_cells,
     to_points,
 )
+from tetraskel.vtkfilters.object_input import mesh_and_labels
 
 
 class CurveSkeleton(SkeletonFilter):
@@ -75,13 +74,8 @@ class CurveSkeleton(SkeletonFilter):
         return self._sheets[1]
 
     def _compute(self, source):
-        if holds_simplices(source):
-            mesh, inside = mesh_of(source), array_of(source.GetCellData(), "Inside")
-            share = 0.0
-        else:
-            mesh = triangulate(points_of(source), denoise=self.denoise, tick=self.tick("Triangulating", 0.0, 0.5))
-            inside, share = None, 0.5
-        tick = self.tick("Drawing the skeleton together", share, 1.0)
+        mesh, inside = mesh_and_labels(source, self.tick("Triangulating", 0.0, 0.5), denoise=self.denoise)
+        tick = self.tick("Drawing the skeleton together", 0.0 if holds_simplices(source) else 0.5, 1.0)
         return curve_model(mesh, inside=inside, loop_spacings=self.loop_spacings, tick=tick)
 
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPointSet
 
-from tetraskel.errors import InputError, InsideWarning
-from tetraskel.kernels.interior import interior
+from tetraskel.errors import InputError
 from tetraskel.kernels.raster_mask import Mask, rasterise
 from tetraskel.kernels.raster_skeleton import raster_skeleton
-from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import RasterInputOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, array_of, holds_simplices, mesh_of, points_of, to_cells, to_points
+from tetraskel.vtkfilters.convert import add_arrays, to_cells, to_points
+from tetraskel.vtkfilters.object_input import mesh_and_inside
 
 
 class RasterSkeleton(SkeletonFilter):
@@ -51,17 +48,10 @@ class RasterSkeleton(SkeletonFilter):
             return self._mask_of_image(source)
         if not isinstance(source, vtkPointSet):
             raise InputError(f"expected an image, points or a mesh, got {source.GetClassName()}; resample it first.")
-        mesh, inside = self._object(source)
+        telling = self.tick("Telling inside from outside", 0.2, 0.3)
+        mesh, inside = mesh_and_inside(source, self.tick("Triangulating", 0.0, 0.2), telling)
         mask = rasterise(mesh, inside=inside, resolution=self.resolution, tick=self.tick("Making the mask", 0.3, 0.5))
         return (lambda points: points) if mesh.plane is None else mesh.plane.lift, mask
-
-    def _object(self, source):
-        if holds_simplices(source):
-            return mesh_of(source), array_of(source.GetCellData(), "Inside")
-        mesh = triangulate(points_of(source), tick=self.tick("Triangulating", 0.0, 0.2))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
-            return mesh, interior(mesh, tick=self.tick("Telling inside from outside", 0.2, 0.3))
 
     def _mask_of_image(self, image):
         attributes = image.GetPointData()

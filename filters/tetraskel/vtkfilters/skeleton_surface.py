@@ -21,21 +21,22 @@ MANY_THICKENED = 0.01  # of the points
 class SkeletonSurface(SkeletonFilter):
     """A skeleton with radii back to the object: the surface of its balls and of the cones between neighbouring ones.
 
-    In space a watertight surface of triangles; in the plane the region's closed outline, inside to the left, with
+    Faces, as of medial sheets, count by their sides: where they are smaller than the radii they give back plates. In
+    space a watertight surface of triangles; in the plane the region's closed outline, inside to the left, with
     the region as triangles. Give the original points or surface at the second input to have the error in percent of
     their diagonal in the field data: ErrorMean and ErrorMax from the original to the rebuilt surface, with an original
     surface also BackErrorMean and BackErrorMax the other way.
     """
 
     options = SurfaceOptions
-    input_doc = "A skeleton: lines with a point array of radii. Points without lines are balls."
+    input_doc = "A skeleton: lines with a point array of radii; faces count by their sides, points alone are balls."
     input_type = "vtkPolyData"
     second_input = ("Original", 1, "vtkPointSet", "The points or the surface the skeleton was made from, to compare.")
 
     def execute(self, inputs, outputs):
         """Rebuild the surface and compare it with the original."""
         source, original = inputs
-        graph = balls_of(source, self.radius_array)
+        graph = balls_of(source, self.radius_array, faces=True)
         in_plane = self.dimension == "plane" or (self.dimension == "auto" and lies_in_plane(source))
         surface = skeleton_surface(
             graph,

@@ -8,11 +8,13 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.ball_graph import BallGraph, ball_graph
-from tetraskel.vtkfilters.convert import array_of, points_of
+from tetraskel.vtkfilters.convert import array_of, points_of, segments_of
 
 
-def balls_of(data: vtkPolyData, radius_array: str) -> BallGraph:
+def balls_of(data: vtkPolyData, radius_array: str, *, faces: bool = False) -> BallGraph:
     """The points, radii and lines of polygonal data; no points give an empty graph.
+
+    With `faces` the sides of polygons are lines too: medial sheets are made of balls as lines are.
 
     Raises
     ------
@@ -32,6 +34,10 @@ def balls_of(data: vtkPolyData, radius_array: str) -> BallGraph:
     if data.GetNumberOfLines():
         lines = data.GetLines()
         offsets, ids = (vtk_to_numpy(array) for array in (lines.GetOffsetsArray(), lines.GetConnectivityArray()))
+    if faces and data.GetNumberOfPolys():
+        sides = np.unique(np.sort(segments_of(data.GetPolys(), closed=True), axis=1), axis=0)
+        offsets = np.concatenate([offsets, offsets[-1] + np.arange(2, 2 * len(sides) + 1, 2)])
+        ids = np.concatenate([ids, sides.ravel()])
     return ball_graph(BallGraph(points, radius.astype(float), offsets.astype(np.int64), ids.astype(np.int64)))
 
 

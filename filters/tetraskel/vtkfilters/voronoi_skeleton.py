@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
-from tetraskel.errors import InsideWarning
-from tetraskel.kernels.interior import interior
-from tetraskel.kernels.triangulate import triangulate
 from tetraskel.kernels.voronoi_skeleton import voronoi_skeleton
 from tetraskel.options import VoronoiOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import (
-    add_arrays,
-    add_facts,
-    array_of,
-    holds_simplices,
-    mesh_of,
-    points_of,
-    to_cells,
-    to_points,
-)
+from tetraskel.vtkfilters.convert import add_arrays, add_facts, holds_simplices, to_cells, to_points
+from tetraskel.vtkfilters.object_input import mesh_and_inside
 
 
 class VoronoiSkeleton(SkeletonFilter):
@@ -40,7 +27,8 @@ class VoronoiSkeleton(SkeletonFilter):
         """Draw the skeleton."""
         source, output = inputs[0], outputs[0]
         given = holds_simplices(source)
-        mesh, inside = self._mesh(source) if given else self._object_of(points_of(source))
+        telling = self.tick("Telling inside from outside", 0.4, 0.6)
+        mesh, inside = mesh_and_inside(source, self.tick("Triangulating", 0.0, 0.4), telling)
         skeleton = voronoi_skeleton(
             mesh,
             inside=inside,
@@ -51,15 +39,6 @@ class VoronoiSkeleton(SkeletonFilter):
         output.GetFieldData().PassData(source.GetFieldData())
         if not given:  # a mesh brings these facts from where it was made
             add_facts(output, {"Engine": mesh.engine, "DuplicatesMerged": mesh.n_merged})
-
-    def _mesh(self, source):
-        return mesh_of(source), array_of(source.GetCellData(), "Inside")
-
-    def _object_of(self, points):
-        mesh = triangulate(points, tick=self.tick("Triangulating", 0.0, 0.4))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", InsideWarning)  # nothing inside is an error here, with its own sentence
-            return mesh, interior(mesh, tick=self.tick("Telling inside from outside", 0.4, 0.6))
 
 
 def _fill(output, skeleton):
