@@ -7,8 +7,13 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
 from tetraskel.options import BezierOptions
+
+EXAMPLES = (
+    ("Smooth centre lines, and the exact curves beside them:", "bezier skeleton.vtp smooth.vtp --pieces curves.vtu"),
+    ("Curves that stay nearer to the skeleton:", "bezier skeleton.vtp smooth.vtp --tolerance 0.02"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="sampled lines: .vtp .vtk .swc .graphml .ply .csv")
     parser.add_argument("--pieces", metavar="FILE", help="also write the exact curves as Bezier cells, .vtu")
     add_json(parser)
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     add_options(parser, BezierOptions)
 
 
@@ -26,8 +31,8 @@ def run(chosen: argparse.Namespace) -> None:
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
     from tetraskel.cli.chain import prepared, run_filters, tell
+    from tetraskel.cli.drawings import draw_all
     from tetraskel.cli.files import check_output, replace_to, write_vtk
-    from tetraskel.cli.picture import draw
     from tetraskel.cli.swc import read_skeleton
     from tetraskel.vtkfilters import BezierSkeleton
 
@@ -43,8 +48,7 @@ def run(chosen: argparse.Namespace) -> None:
             chosen.pieces, lambda data, path: write_vtk(vtkXMLUnstructuredGridWriter(), data, path)
         )
         write_pieces(step.GetOutputDataObject(1))
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    draw_all(chosen, source, result)
     n_pieces = result.GetFieldData().GetArray("Pieces").GetValue(0)
     text = (
         f"{chosen.input}: {source.GetNumberOfPoints():,} points -> {chosen.output}: {int(n_pieces):,} cubic pieces in "

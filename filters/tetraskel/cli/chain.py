@@ -11,9 +11,9 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
-from tetraskel.cli.files import check_output, read, writer_for
-from tetraskel.cli.picture import draw
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
+from tetraskel.cli.drawings import check_drawings, draw_all
+from tetraskel.cli.files import read, writer_for
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
@@ -25,7 +25,7 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
     add_input(parser, "points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy, or - for a table from a pipe")
     parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     add_json(parser)
     parser.add_argument(
         "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
@@ -68,8 +68,7 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
 
 def prepared(chosen: argparse.Namespace) -> Callable[[vtkPolyData], None]:
     """What writes the result, after all that can be wrong with the outputs has been looked at."""
-    if getattr(chosen, "png", None):
-        check_output(chosen.png, (".png",))
+    check_drawings(chosen)
     return writer_for(chosen.output, chosen.input)
 
 
@@ -83,8 +82,7 @@ def finish(
 ) -> None:
     """Write, draw, and say what was done."""
     write(result)
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    draw_all(chosen, source, result)
     tell(chosen, source, result, summary(chosen, source, result, from_cells=from_cells))
 
 

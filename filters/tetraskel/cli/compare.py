@@ -15,6 +15,13 @@ from tetraskel.cli.arguments import add_options, values
 from tetraskel.errors import InputError
 from tetraskel.options import CompareOptions, CurveOptions, DelaunayOptions
 
+EXAMPLES = (
+    (
+        "Four skeletons of one scan, with a table and pictures:",
+        "compare scan.ply compared --methods curve,tree,sk4,distance",
+    ),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel compare` takes."""
@@ -36,8 +43,8 @@ def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
     from tetraskel.cli.comparison_files import Judged, checked_folder, write_all
     from tetraskel.cli.files import read
-    from tetraskel.vtkfilters.progress import ProgressLine
     from tetraskel.comparison import chosen_methods, compare
+    from tetraskel.vtkfilters.progress import ProgressLine
 
     options = values(chosen, CompareOptions)
     values(chosen, DelaunayOptions)

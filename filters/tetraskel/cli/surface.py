@@ -8,8 +8,13 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
 from tetraskel.options import SurfaceOptions
+
+EXAMPLES = (
+    ("The object again, as a mesh to print:", "surface skeleton.vtp object.stl"),
+    ("How far is it from the points it came from?", "surface skeleton.vtp object.ply --against scan.ply"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
     parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
     add_json(parser)
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
     add_options(parser, SurfaceOptions)
 
@@ -25,22 +30,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> None:
     """Rebuild, write, and say how near it comes."""
     from tetraskel.cli.chain import run_filters, tell
-    from tetraskel.cli.files import check_output, read, writer_for
-    from tetraskel.cli.picture import draw
+    from tetraskel.cli.drawings import check_drawings, draw_all
+    from tetraskel.cli.files import read, writer_for
     from tetraskel.cli.swc import read_skeleton
     from tetraskel.vtkfilters import SkeletonSurface
 
     step = SkeletonSurface(**values(chosen, SurfaceOptions))
-    if getattr(chosen, "png", None):
-        check_output(chosen.png, (".png",))
+    check_drawings(chosen)
     write = writer_for(chosen.output, chosen.input, _writers())
     source = read_skeleton(chosen.input, chosen.radius_array)
     if chosen.against:
         step.SetInputDataObject(1, read(chosen.against))
     result = run_filters(source, [step])
     write(result)
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    draw_all(chosen, source, result)
     tell(chosen, source, result, _summary(chosen, source, result))
 
 
