@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import glob
+import io
 import os
 import pty
+import shlex
 import shutil
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import pytest
 import pyvista
@@ -14,8 +19,6 @@ import pyvista
 from paths import ENVIRONMENT, SAMPLES
 from tetraskel.cli import COMMANDS, main, parser
 from tetraskel.cli.usage import HelpForm, Parser
-
-COMMAND = f'tetraskel() {{ "{sys.executable}" -W error -m tetraskel "$@"; }}\n'
 
 
 def help_of(capsys, *words):
@@ -67,16 +70,25 @@ def folder_of_a_user(place):
     mask.save(place / "mask.vti")
 
 
-def test_the_examples_run(tmp_path):
+def words_of(command):
+    """The words of a command as a shell hands them over, and the file on its standard input."""
+    words = shlex.split(command, comments=True)
+    words = [found for word in words for found in (sorted(glob.glob(word)) if "*" in word else [word])]
+    return (words[:-2], words[-1]) if "<" in words else (words, None)
+
+
+def test_the_examples_run(tmp_path, capsys, monkeypatch):
     pytest.importorskip("skimage")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
     folder_of_a_user(tmp_path)
     examples = [command for module in COMMANDS.values() for _, command in module.EXAMPLES]
     first = "surface skeleton.vtp surface.ply"  # what the example of measure is about
     for command in [*examples[:1], first, *examples[1:]]:
-        script = f"{COMMAND}tetraskel {command}"
-        environment = {**ENVIRONMENT, "PYVISTA_OFF_SCREEN": "true"}
-        done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=tmp_path, env=environment)
-        assert done.returncode == 0, (command, done.stderr)
+        words, file = words_of(command)
+        content = Path(file).read_bytes() if file else b""
+        monkeypatch.setattr("sys.stdin", types.SimpleNamespace(buffer=io.BytesIO(content)))
+        assert main(words) == 0, (command, capsys.readouterr().err)
     made = {path.name for path in tmp_path.rglob("*.*")}
     assert {"skeleton.html", "branches.csv", "one.vtp", "two.vtp", "object.stl", "curves.vtu", "overview.png"} <= made
 

@@ -72,7 +72,13 @@ def _add_result(plotter, result: vtkPolyData) -> None:
         style = {"color": "#c04020", "scalars": None}
     width = 6 if result.GetNumberOfPoints() < FEW else 2
     tubes = result.GetNumberOfPoints() < TUBES and result.GetNumberOfLines() > 0
-    plotter.add_mesh(pyvista.wrap(result), line_width=width, render_lines_as_tubes=tubes, **style)
+    looks = {
+        "line_width": width,
+        "render_lines_as_tubes": tubes,
+        "point_size": 6,
+        "render_points_as_spheres": not tubes,
+    }
+    plotter.add_mesh(pyvista.wrap(result), **looks, **style)
 
 
 def _is_flat(data: vtkPointSet) -> bool:
