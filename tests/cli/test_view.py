@@ -145,7 +145,7 @@ def test_a_window_is_filled(made, tmp_path, capsys, monkeypatch, kind):
     assert run(capsys, "view", made / kind, "--points", made / "scan.vtp") == (0, "", "")
     assert len(np.unique(shown[0].reshape(-1, 3), axis=0)) > 20
     assert run(capsys, "view", made / kind, "--png", tmp_path / "p.png")[0] == 0
-    assert len(np.unique(pyvista.read(tmp_path / "p.png").active_scalars, axis=0)) > 5
+    assert len(np.unique(pyvista.read(tmp_path / "p.png").active_scalars, axis=0)) > 3
 
 
 def test_a_window_opens_on_a_display(made):
