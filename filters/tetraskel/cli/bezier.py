@@ -30,8 +30,7 @@ def run(chosen: argparse.Namespace) -> None:
     """Fit and write."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-    from tetraskel.cli.chain import prepared, run_filters, tell
-    from tetraskel.cli.drawings import draw_all
+    from tetraskel.cli.chain import prepared, run_filters, tell, written
     from tetraskel.cli.files import check_output, replace_to, write_vtk
     from tetraskel.cli.swc import read_skeleton
     from tetraskel.vtkfilters import BezierSkeleton
@@ -42,13 +41,12 @@ def run(chosen: argparse.Namespace) -> None:
     write = prepared(chosen)
     source = read_skeleton(chosen.input, chosen.radius_array)
     result = run_filters(source, [step])
-    write(result)
+    written(chosen, source, result, write)
     if chosen.pieces:
         write_pieces = replace_to(
             chosen.pieces, lambda data, path: write_vtk(vtkXMLUnstructuredGridWriter(), data, path)
         )
         write_pieces(step.GetOutputDataObject(1))
-    draw_all(chosen, source, result)
     n_pieces = result.GetFieldData().GetArray("Pieces").GetValue(0)
     text = (
         f"{chosen.input}: {source.GetNumberOfPoints():,} points -> {chosen.output}: {int(n_pieces):,} cubic pieces in "

@@ -66,10 +66,21 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
     finish(chosen, source, run_filters(source, steps), write, from_cells=steps[0] is not filters[0])
 
 
-def prepared(chosen: argparse.Namespace) -> Callable[[vtkPolyData], None]:
-    """What writes the result, after all that can be wrong with the outputs has been looked at."""
+def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
+    """What writes the result, after all that can be wrong with the outputs has been looked at.
+
+    `writers` by suffix, where a command has others than most.
+    """
     check_drawings(chosen)
-    return writer_for(chosen.output, chosen.input)
+    return writer_for(chosen.output, chosen.input, writers)
+
+
+def written(
+    chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, write: Callable[[vtkPolyData], None]
+) -> None:
+    """Write the result, and draw it where asked."""
+    write(result)
+    draw_all(chosen, source, result)
 
 
 def finish(
@@ -81,8 +92,7 @@ def finish(
     from_cells: bool,
 ) -> None:
     """Write, draw, and say what was done."""
-    write(result)
-    draw_all(chosen, source, result)
+    written(chosen, source, result, write)
     tell(chosen, source, result, summary(chosen, source, result, from_cells=from_cells))
 
 

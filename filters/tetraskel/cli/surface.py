@@ -29,21 +29,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """Rebuild, write, and say how near it comes."""
-    from tetraskel.cli.chain import run_filters, tell
-    from tetraskel.cli.drawings import check_drawings, draw_all
-    from tetraskel.cli.files import read, writer_for
+    from tetraskel.cli.chain import prepared, run_filters, tell, written
+    from tetraskel.cli.files import read
     from tetraskel.cli.swc import read_skeleton
     from tetraskel.vtkfilters import SkeletonSurface
 
     step = SkeletonSurface(**values(chosen, SurfaceOptions))
-    check_drawings(chosen)
-    write = writer_for(chosen.output, chosen.input, _writers())
+    write = prepared(chosen, _writers())
     source = read_skeleton(chosen.input, chosen.radius_array)
     if chosen.against:
         step.SetInputDataObject(1, read(chosen.against))
     result = run_filters(source, [step])
-    write(result)
-    draw_all(chosen, source, result)
+    written(chosen, source, result, write)
     tell(chosen, source, result, _summary(chosen, source, result))
 
 

@@ -230,8 +230,6 @@ def _converted(value, declared):
     choices, default = declared.metadata["choices"], declared.default
     if choices and isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value < len(choices):
         return choices[value]
-    if isinstance(default, str) and value is None:
-        return ""  # as ParaView sends an empty text
     if isinstance(default, bool) and value in (0, 1):
         return bool(value)
     if isinstance(default, float) and isinstance(value, Real):
