@@ -144,7 +144,10 @@ def test_a_window_is_filled(made, tmp_path, capsys, monkeypatch, kind):
     (made / "lines.swc").write_text("1 0 0 0 0 0.5 -1\n2 0 1 0 0 0.2 1\n")
     assert run(capsys, "view", made / kind, "--points", made / "scan.vtp") == (0, "", "")
     assert len(np.unique(shown[0].reshape(-1, 3), axis=0)) > 20
-    assert run(capsys, "view", made / kind, "--png", tmp_path / "p.png")[0] == 0
+    status, out, _ = run(capsys, "view", made / kind, "--png", tmp_path / "p.png")
+    assert status == 0
+    assert out.startswith(f"{made / kind}: ")
+    assert out.endswith("p.png\n")
     assert len(np.unique(pyvista.read(tmp_path / "p.png").active_scalars, axis=0)) > 3
 
 

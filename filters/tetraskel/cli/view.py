@@ -40,6 +40,8 @@ def run(chosen: argparse.Namespace) -> None:
     source = read(chosen.points) if chosen.points else _empty()
     if chosen.png or chosen.html:
         draw_all(chosen, source, result)
+        made = ", ".join(filter(None, (chosen.png, chosen.html)))
+        print(f"{chosen.input}: {result.GetNumberOfPoints():,} points, {result.GetNumberOfLines():,} lines -> {made}")
         return
     _check_display()
     show(source, result, Path(chosen.input).name)
