@@ -3,8 +3,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
+# the oldest of what pyproject.toml allows that this Python can have
+OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
+SLOW := found_inside or another_detail or read_back or what_was_merged or mesh_and_a_labelled or options_are_passed or \
+    other_outputs or points_are_enough or way_back
 
-.PHONY: demo test check format format-check lint types bench paraview-numba clean
+.PHONY: demo docs test test-oldest check format format-check lint types bench paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -13,6 +17,14 @@ demo: $(READY)
 
 test: $(READY) .pvpython-packages
 	$(BIN)/python -m pytest
+
+# the filters on the oldest VTK, without what takes long and has little to do with VTK's version
+test-oldest: .venv-oldest/ready
+	.venv-oldest/bin/python -m pytest tests/vtkfilters tests/test_accessor.py -k 'not ($(SLOW))'
+
+docs: .venv/docs-ready
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site is in build/site; open build/site/index.html"
 
 check: format-check lint types test
 
@@ -37,6 +49,16 @@ $(READY): pyproject.toml
 	    --config-settings editable_mode=compat --editable '.[dev]'
 	touch $(READY)
 
+.venv/docs-ready: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	    --config-settings editable_mode=compat --editable '.[docs]'
+	touch $@
+
+.venv-oldest/ready: pyproject.toml Makefile
+	$(PYTHON) -m venv .venv-oldest
+	.venv-oldest/bin/python -m pip install --quiet --disable-pip-version-check $(OLDEST) pytest hypothesis
+	touch $@
+
 # pytest for ParaView's own Python: pure Python, and kept apart so that no second VTK comes with it
 .pvpython-packages: $(READY)
 	if command -v pvpython >/dev/null; then \
@@ -50,4 +72,4 @@ paraview-numba: $(READY)
 	    --target plugin/numba_packages 'numba==0.61.2' 'llvmlite==0.44.0'
 
 clean:
-	rm -rf .venv .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info
+	rm -rf .venv .venv-oldest .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info

@@ -126,6 +126,7 @@ def results():
         tetraskel.skeleton_surface(skeleton),
         tetraskel.voronoi_skeleton(mesh, inside=inside),
         tetraskel.raster_skeleton(mask.values, method="distance"),
+        *tetraskel.compare(mesh, methods="sk1"),
     ]
 
 

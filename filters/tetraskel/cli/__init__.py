@@ -8,22 +8,45 @@ import sys
 from collections.abc import Sequence
 
 from tetraskel import __version__
-from tetraskel.cli import bezier, compare, measure, plugin_path, raster, skeleton, surface, tree, voronoi
+from tetraskel.cli import (
+    bezier,
+    compare,
+    completion,
+    measure,
+    plugin_path,
+    raster,
+    skeleton,
+    surface,
+    tree,
+    view,
+    voronoi,
+)
 from tetraskel.cli.several import jobs
+from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, shorten, told
 from tetraskel.errors import TetraskelError
 
 COMMANDS = {
-    "tree": tree,
     "skeleton": skeleton,
+    "tree": tree,
     "voronoi": voronoi,
     "raster": raster,
     "surface": surface,
     "bezier": bezier,
     "compare": compare,
     "measure": measure,
+    "view": view,
     "plugin-path": plugin_path,
+    "completion": completion,
 }
-BAD_USAGE, INTERRUPTED = 2, 130
+INTERRUPTED = 130
+DESCRIPTION = """Skeletons of points, found without normals, seeds or a length to tune.
+
+First steps, with any file of points:
+
+  tetraskel skeleton scan.ply skeleton.vtp --html skeleton.html
+  tetraskel view skeleton.vtp --points scan.ply"""
+EPILOG = """`tetraskel COMMAND --help` tells a command's options, with examples. The status is 0, or 2 with one
+line that says what was expected, what came and what to do."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -61,22 +84,16 @@ def _failed(chosen: argparse.Namespace, error: Exception) -> int:
 
 def parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    top = Parser(prog="tetraskel", description="Skeletons of point sets by trees over their Delaunay triangulation.")
+    top = Parser(prog="tetraskel", description=DESCRIPTION, epilog=EPILOG, formatter_class=HelpForm)
     top.add_argument("--version", action="version", version=f"tetraskel {__version__}")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
     for name, module in COMMANDS.items():
         summary = module.__doc__.splitlines()[0]
-        form = argparse.ArgumentDefaultsHelpFormatter
-        module.add_arguments(commands.add_parser(name, help=summary, description=module.__doc__, formatter_class=form))
+        texts = {"help": summary, "description": module.__doc__, "epilog": told(module.EXAMPLES)}
+        command = commands.add_parser(name, **texts, formatter_class=HelpForm)
+        module.add_arguments(command)
+        shorten(command)
     return top
-
-
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, without the usage text."""
-
-    def error(self, message: str) -> None:
-        """Print one line and leave with status 2."""
-        self.exit(BAD_USAGE, f"{self.prog}: {message} (see {self.prog} --help).\n")
 
 
 def _one_line(error: Exception) -> str:

@@ -20,6 +20,12 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print what was done as a line of JSON")
 
 
+def add_drawings(parser: argparse.ArgumentParser, how: str = "also ") -> None:
+    """Pictures of the result."""
+    parser.add_argument("--png", metavar="FILE", help=f"{how}draw the result, off screen")
+    parser.add_argument("--html", metavar="FILE", help=f"{how}write a page that turns the result in a browser")
+
+
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:
     """One `--name` for every option, with its default, unit and meaning; none for those a command asks otherwise.
 

@@ -7,8 +7,13 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
 from tetraskel.options import BezierOptions
+
+EXAMPLES = (
+    ("Smooth centre lines, and the exact curves beside them:", "bezier skeleton.vtp smooth.vtp --pieces curves.vtu"),
+    ("Curves that stay nearer to the skeleton:", "bezier skeleton.vtp smooth.vtp --tolerance 0.02"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="sampled lines: .vtp .vtk .swc .graphml .ply .csv")
     parser.add_argument("--pieces", metavar="FILE", help="also write the exact curves as Bezier cells, .vtu")
     add_json(parser)
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     add_options(parser, BezierOptions)
 
 

@@ -11,9 +11,9 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
-from tetraskel.cli.files import check_output, read, writer_for
-from tetraskel.cli.picture import draw
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
+from tetraskel.cli.drawings import check_drawings, draw_all
+from tetraskel.cli.files import read, writer_for
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
@@ -25,7 +25,7 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
     add_input(parser, "points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy, or - for a table from a pipe")
     parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     add_json(parser)
     parser.add_argument(
         "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
@@ -74,8 +74,7 @@ def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callabl
 
     `writers` by suffix, where a command has others than most.
     """
-    if getattr(chosen, "png", None):
-        check_output(chosen.png, (".png",))
+    check_drawings(chosen)
     return writer_for(chosen.output, chosen.input, writers)
 
 
@@ -84,8 +83,7 @@ def written(
 ) -> None:
     """Write the result, and draw it where asked."""
     write(result)
-    if getattr(chosen, "png", None):
-        draw(source, result, chosen.png)
+    draw_all(chosen, source, result)
 
 
 def finish(

@@ -15,6 +15,13 @@ from tetraskel.cli.arguments import add_options, values
 from tetraskel.errors import InputError
 from tetraskel.options import CompareOptions, CurveOptions, DelaunayOptions
 
+EXAMPLES = (
+    (
+        "Four skeletons of one scan, with a table and pictures:",
+        "compare scan.ply compared --methods curve,tree,sk4,distance",
+    ),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel compare` takes."""

@@ -10,6 +10,10 @@ import json
 
 from tetraskel.errors import InputError
 
+EXAMPLES = (
+    ("Is the skeleton inside, centred, complete? As JSON for scripts:", "measure skeleton.vtp surface.ply --json"),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel measure` takes."""

@@ -13,6 +13,10 @@ from tetraskel.errors import InputError
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PLACES = (PACKAGE.parents[1] / "plugin", PACKAGE / "paraview_plugin")  # a checkout, an installation
+EXAMPLES = (
+    ("The file to load in ParaView:", "plugin-path"),
+    ("What the ParaView 5.11 of Debian and Ubuntu needs on its PYTHONPATH:", "plugin-path --shim"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

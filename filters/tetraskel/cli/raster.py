@@ -12,6 +12,14 @@ from pathlib import Path
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.options import DelaunayOptions, RasterInputOptions
 
+EXAMPLES = (
+    (
+        "The lines of a mask of 64 grid points along its longest side (needs scikit-image):",
+        "raster scan.ply thin.vtp --method thinning --resolution 64",
+    ),
+    ("The ridge of the distance in an image:", "raster mask.vti ridge.vtp --method distance"),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel raster` takes."""

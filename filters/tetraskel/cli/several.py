@@ -10,7 +10,7 @@ from tetraskel.cli.arguments import STANDARD_INPUT
 from tetraskel.errors import InputError
 
 SUFFIX = ".vtp"
-ONE_FILE = ("png", "edges", "table", "points", "sheets", "pieces")  # options that name a file for one result
+ONE_FILE = ("png", "html", "edges", "table", "points", "sheets", "pieces")  # options that name a file for one result
 
 
 def jobs(chosen: argparse.Namespace) -> list[argparse.Namespace]:

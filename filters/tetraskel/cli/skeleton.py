@@ -2,7 +2,8 @@
 
 The curve skeleton (--method curve) finds the object's inside from the points alone and draws lines along its middle,
 with radii and with the object's own loops. The tree (--method tree) is the paper's chain: triangulate, walk the
-simplices, remove flat ones, leave out the leaves.
+simplices, remove flat ones, leave out the leaves. Unless --inside and --denoise say otherwise, the curve looks for the
+inside by gates and takes noise out, the tree takes all simplices of the points as they are.
 """
 
 from __future__ import annotations
@@ -18,6 +19,21 @@ CURVE_ONLY = {
     "points": "a tree's nodes are no parts of a surface",
     "sheets": "a tree has none",
 }
+EXAMPLES = (
+    (
+        "The curve skeleton of a scan, and a page that turns it in a browser:",
+        "skeleton scan.ply skeleton.vtp --html skeleton.html",
+    ),
+    (
+        "Main lines only, for programs that read neurons and vessels, with a table of the branches:",
+        "skeleton scan.ply lines.swc --detail 0.2 --table branches.csv",
+    ),
+    (
+        "The paper's tree of the triangulation instead, flat tetrahedra removed:",
+        "skeleton cloud.csv tree.vtp --method tree --threshold 0.05",
+    ),
+    ("Every file of a folder, each with its own result:", "skeleton scans/*.ply skeletons/"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

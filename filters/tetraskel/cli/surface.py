@@ -8,9 +8,14 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_input, add_json, add_options, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
 from tetraskel.errors import InputError
 from tetraskel.options import SurfaceOptions
+
+EXAMPLES = (
+    ("The object again, as a mesh to print:", "surface skeleton.vtp object.stl"),
+    ("How far is it from the points it came from?", "surface skeleton.vtp object.ply --against scan.ply"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
     parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
     add_json(parser)
-    parser.add_argument("--png", metavar="FILE", default=argparse.SUPPRESS, help="also draw the result, off screen")
+    add_drawings(parser)
     parser.add_argument("--sheets", metavar="FILE", help="medial sheets to be covered too, .vtp .vtk; for plates")
     parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
     add_options(parser, SurfaceOptions)

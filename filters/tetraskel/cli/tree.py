@@ -11,6 +11,12 @@ import argparse
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.options import DelaunayOptions, TreeOptions
 
+EXAMPLES = (
+    ("The tree of all tetrahedra of some points, with a picture:", "tree cloud.csv tree.vtp --png tree.png"),
+    ("Of an object's inside only, depth first:", "tree scan.ply tree.vtp --inside gates --traversal depth"),
+    ("Points from another program:", "tree - tree.vtp --json < cloud.csv"),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel tree` takes."""
@@ -27,4 +33,4 @@ def run(chosen: argparse.Namespace) -> None:
     from tetraskel.vtkfilters import DelaunayMesh, TreeBuilder
 
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
-    run_chain(chosen, [mesh, *interior_cells(chosen), TreeBuilder(**values(chosen, TreeOptions))])
+    run_chain(chosen, [mesh, *interior_cells(chosen, extract=True), TreeBuilder(**values(chosen, TreeOptions))])

@@ -11,6 +11,14 @@ import argparse
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.options import DelaunayOptions, VoronoiOptions
 
+EXAMPLES = (
+    (
+        "The sheets midway between facing sides of an object:",
+        "voronoi scan.ply sheets.vtp --method sk4 --least-angle 90",
+    ),
+    ("The Voronoi vertices inside, as a table:", "voronoi scan.ply vertices.csv --method sk1"),
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel voronoi` takes."""

@@ -1,0 +1,52 @@
+"""How the commands are parsed and how their help reads."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+from collections.abc import Iterable
+
+BAD_USAGE = 2
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, without the usage text."""
+
+    def error(self, message: str) -> None:
+        """Print one line and leave with status 2."""
+        self.exit(BAD_USAGE, f"{self.prog}: {message} (see {self.prog} --help).\n")
+
+
+class HelpForm(argparse.ArgumentDefaultsHelpFormatter):
+    """Paragraphs are filled, lines that begin with two blanks stay; defaults only where there is one to tell."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        paragraphs = [part for part in text.strip("\n").split("\n\n") if part.strip()]
+        return "\n\n".join(_filled(part, width, indent) for part in paragraphs)
+
+    def _get_help_string(self, action: argparse.Action) -> str:
+        if isinstance(action, argparse.BooleanOptionalAction) and action.default is not None:
+            return f"{action.help} (default: {'on' if action.default else 'off'})"
+        if action.default is None or action.nargs == 0:
+            return action.help or ""
+        return super()._get_help_string(action)
+
+
+def _filled(paragraph: str, width: int, indent: str) -> str:
+    lines = paragraph.splitlines()
+    if any(line.startswith("  ") for line in lines):
+        return "\n".join(indent + line for line in lines)
+    return textwrap.fill(" ".join(lines), width, initial_indent=indent, subsequent_indent=indent)
+
+
+def told(examples: Iterable[tuple[str, str]]) -> str:
+    """Examples as the end of a help text: what for, and the command."""
+    pairs = [f"  {meaning}\n    tetraskel {command}" for meaning, command in examples]
+    return "\n\n".join(["Examples:", *pairs])
+
+
+def shorten(parser: argparse.ArgumentParser) -> None:
+    """Leave the list of all options out of the first line of the help; it stands below."""
+    places = [action for action in parser._actions if not action.option_strings]
+    words = [f"{place.metavar} [{place.metavar} ...]" if place.nargs == "+" else place.metavar for place in places]
+    parser.usage = " ".join(["%(prog)s", *words, "[options]"])
