@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataObjectTypes
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.flat import contract
+from tetraskel.kernels.flat import all_flat, contract
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import FlatOptions
@@ -56,6 +56,8 @@ class FlatTetraRemoval(SkeletonFilter):
                 "expected a tree with the point array Quality, got none or NaN; connect the output of TreeBuilder."
             )
         kept_forest, kept = contract(forest, quality < self.threshold, traversal)
+        if len(forest) and len(kept) == 0:
+            raise InputError(all_flat(len(forest), self.threshold))
         fill_tree(output, points_of(source)[kept], kept_forest, traversal)
         copy_node_arrays(source, output, kept, tuple(forest_arrays(kept_forest)))
         return len(forest) - len(kept)
