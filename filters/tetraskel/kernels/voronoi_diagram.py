@@ -22,6 +22,7 @@ Bools = NDArray[np.bool_]
 
 # Rays end this many bounding-box diagonals beyond their first point's distance from the middle: outside of everything.
 FAR = 4.0
+NO_VOLUME = 1e-30  # relative: rounding made it, and its centre could be anywhere
 
 
 @dataclass(frozen=True)
@@ -168,8 +169,9 @@ def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) ->
         spread = np.einsum("aik,aik->k", sides, sides)
         flat[piece] = np.abs(volume) <= FLAT * spread ** (0.5 * dim)
         signs[piece] = np.where(flat[piece], 0, np.where(volume < 0, -1, 1))
-        offset /= np.where(volume == 0, 1.0, 2 * volume)
-        centres[piece] = np.where(volume == 0, corners.mean(axis=1), corners[:, 0] + offset).T
+        none = np.abs(volume) <= NO_VOLUME * spread ** (0.5 * dim)
+        offset /= np.where(none, 1.0, 2 * volume)
+        centres[piece] = np.where(none, corners.mean(axis=1), corners[:, 0] + offset).T
         radii[piece] = np.sqrt(np.einsum("ak,ak->k", offset, offset))
 
     for_chunks(work, m, tick)

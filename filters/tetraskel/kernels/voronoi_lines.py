@@ -166,7 +166,7 @@ def _bounds(
     gap = ((other - own) * (other + own)).sum(axis=1)  # how much farther the neighbour is at t = 0, squared
     slope = -2 * (ways[line] * (other - own)).sum(axis=1)
     used = candidates != beside[line]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         place = -gap / slope
     lower = np.where(used & (slope > 0), place, -np.inf)
     upper = np.where(used & (slope < 0), place, np.inf)
