@@ -99,7 +99,9 @@ class Exposure:
             for row, sheet in enumerate(SHEETS):
                 covers = balls.radii[some] + sheet * (balls.burn[some] - balls.radii[some])
                 np.minimum(self.excess[row], (away - covers).min(axis=1) + radii, out=self.excess[row])
-                np.minimum(self.ratio[row], (away / covers).min(axis=1), out=self.ratio[row])
+                ratio = np.where(away > 0, np.inf, 0.0)  # of a ball without radius, which covers its own place only
+                np.divide(away, covers, out=ratio, where=covers > 0)
+                np.minimum(self.ratio[row], ratio.min(axis=1), out=self.ratio[row])
 
     def significance(self, diagonal: float) -> Floats:
         """One number per candidate, which never grows."""
@@ -156,7 +158,8 @@ def _diagonals(tree: MedialTree, positions: Floats, radii: Floats) -> Floats:
     first = np.flatnonzero(np.diff(tree.component[order], prepend=-1))
     low = np.minimum.reduceat((positions - radii[:, None])[order], first, axis=0)
     high = np.maximum.reduceat((positions + radii[:, None])[order], first, axis=0)
-    return np.sqrt(((high - low) ** 2).sum(axis=1))
+    found = np.sqrt(((high - low) ** 2).sum(axis=1))
+    return np.where(found > 0, found, 1.0)  # of pieces all in one place, where nothing else has a length either
 
 
 def _candidates(tree: MedialTree, length: Floats, reach: Floats, tip: Ints, radii: Floats, diagonals: Floats) -> Ints:
