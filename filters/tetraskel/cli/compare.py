@@ -36,8 +36,8 @@ def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
     from tetraskel.cli.comparison_files import Judged, checked_folder, write_all
     from tetraskel.cli.files import read
-    from tetraskel.cli.progress import ProgressLine
     from tetraskel.comparison import chosen_methods, compare
+    from tetraskel.vtkfilters.progress import ProgressLine
 
     options = values(chosen, CompareOptions)
     values(chosen, DelaunayOptions)

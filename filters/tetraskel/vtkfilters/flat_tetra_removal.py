@@ -27,12 +27,13 @@ class FlatTetraRemoval(SkeletonFilter):
     output_type = "vtkPointSet"
 
     def RequestDataObject(self, request, inInfo, outInfo):  # noqa: N803
-        """Called by VTK: the output has the input's type."""
+        """Called by VTK: polygonal data stay such, all else is an unstructured grid."""
         source = self._connected(inInfo[0])
         information = outInfo.GetInformationObject(0)
         output = information.Get(vtkDataObject.DATA_OBJECT())
-        if source is not None and (output is None or not output.IsA(source.GetClassName())):
-            information.Set(vtkDataObject.DATA_OBJECT(), vtkDataObjectTypes.NewDataObject(source.GetClassName()))
+        wanted = "vtkPolyData" if source is not None and source.IsA("vtkPolyData") else "vtkUnstructuredGrid"
+        if source is not None and (output is None or not output.IsA(wanted)):
+            information.Set(vtkDataObject.DATA_OBJECT(), vtkDataObjectTypes.NewDataObject(wanted))
         return 1
 
     def execute(self, inputs, outputs):
