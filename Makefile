@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
 
-.PHONY: demo test check format format-check lint types bench paraview-numba clean
+.PHONY: demo test fuzz check format format-check lint types bench compare paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -13,6 +13,11 @@ demo: $(READY)
 
 test: $(READY) .pvpython-packages
 	$(BIN)/python -m pytest
+
+# for hours: EXAMPLES and SECONDS of each of its tests
+fuzz: $(READY)
+	FUZZ_EXAMPLES=$(or $(EXAMPLES),1000000) FUZZ_SECONDS=$(or $(SECONDS),3600) \
+	    $(BIN)/python -m pytest -s tests/test_fuzz.py
 
 check: format-check lint types test
 
@@ -30,6 +35,16 @@ types: $(READY)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/run.py --out docs
+
+# beside other programs, which get an environment of their own; MESHES is a folder of closed meshes (.obj)
+compare: $(READY) .venv-peers/ready
+	PYTHONPATH=filters $(BIN)/python benchmarks/peers/run.py --python .venv-peers/bin/python --out docs \
+	    $(if $(MESHES),--meshes $(MESHES)) $(if $(OBJECTS),--objects "$(OBJECTS)") $(if $(SIZES),--sizes $(SIZES))
+
+.venv-peers/ready: benchmarks/peers/requirements.txt
+	$(PYTHON) -m venv .venv-peers
+	-while read one; do .venv-peers/bin/python -m pip install --quiet --disable-pip-version-check "$$one"; done < $<
+	touch $@
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -50,4 +65,4 @@ paraview-numba: $(READY)
 	    --target plugin/numba_packages 'numba==0.61.2' 'llvmlite==0.44.0'
 
 clean:
-	rm -rf .venv .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info
+	rm -rf .venv .venv-peers benchmarks/peers/build .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info

@@ -213,6 +213,7 @@ class Nasty:
     spoilers: tuple[str, ...] = ()
     layout: str = "as it is"
 
+    @np.errstate(all="ignore")  # what is spoilt twice may be infinite
     def array(self) -> NDArray:
         rng = np.random.default_rng(self.seed)
         points = FAMILIES[self.family](rng, self.n, self.dim)
