@@ -472,3 +472,14 @@ def test_a_tree_of_which_nothing_is_left_is_told():
     removal.SetInputConnection(0, tree.GetOutputPort())
     with pytest.raises(InputError, match="lower the threshold"):
         removal.run()
+
+
+def test_a_filter_that_is_not_used_any_more_is_gone():
+    gone = []
+    for source in (polydata(CLOUDS["3D"]), vtkImageData()):  # one that runs, one that VTK refuses
+        made = DelaunayMesh()
+        made.AddObserver("DeleteEvent", lambda *_: gone.append(1))
+        made.SetInputDataObject(0, source)
+        made.Update()
+        del made
+    assert len(gone) == 2
