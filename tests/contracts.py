@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tetraskel
-from checks import euler_characteristic
+from checks import euler_characteristic, hull_facets
 from nasty import Nasty
 from tetraskel import InsideWarning, TetraskelError
 from tetraskel.kernels.adjacency import is_mesh
@@ -264,9 +264,8 @@ def probe_denoised(points: NDArray, rng: Rng) -> None:
 
 def probe_outline(points: NDArray, rng: Rng) -> None:
     mesh = random_mesh(points, rng)
-    hull = np.argwhere(mesh.neighbors < 0)
     if mesh.dim == 2 and rng.random() < 0.7:
-        segments = np.array([np.delete(mesh.simplices[cell], k) for cell, k in hull]).reshape(-1, 2)
+        segments = hull_facets(mesh)
     else:
         n = len(mesh.points)
         ring = rng.permutation(n)[: int(rng.integers(2, 6))]
@@ -279,8 +278,7 @@ def probe_outline(points: NDArray, rng: Rng) -> None:
 def probe_surface_side(points: NDArray, rng: Rng) -> None:
     """The hull, or any triangles, as the surface that tells the inside; and as the surface a skeleton is judged by."""
     mesh = random_mesh(points, rng)
-    hull = [np.delete(mesh.simplices[cell], k) for cell, k in np.argwhere(mesh.neighbors < 0)]
-    triangles = np.array(hull).reshape(-1, mesh.dim)
+    triangles = hull_facets(mesh)
     if rng.random() < 0.3 and len(mesh.points):
         triangles = rng.integers(0, len(mesh.points), (5, 3))
     inside = tetraskel.interior(mesh, method="surface", surface=(mesh.points, triangles))

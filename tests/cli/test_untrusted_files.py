@@ -25,10 +25,11 @@ HUGE = {
     b"property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n",
     "index.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999\n",
     "huge.vti": b'<VTKFile type="ImageData" version="1.0"><ImageData WholeExtent="0 99999 0 99999 0 99999" '
-    b'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 99999 0 99999 0 99999"><PointData/></Piece></ImageData></VTKFile>',
+    b'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 99999 0 99999 0 99999"><PointData/></Piece></ImageData>'
+    b"</VTKFile>",
     "huge.vtp": b'<VTKFile type="PolyData" version="1.0"><PolyData><Piece NumberOfPoints="9999999999999" '
-    b'NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0"><Points><DataArray type="Float32" NumberOfComponents="3" '
-    b'format="ascii">0 0 0</DataArray></Points></Piece></PolyData></VTKFile>',
+    b'NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0"><Points>'
+    b'<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0</DataArray></Points></Piece></PolyData></VTKFile>',
 }  # fmt: skip
 
 

@@ -38,6 +38,7 @@ FOUND = {
     "a piece all in one place": ("given_mesh", Nasty("two_sheets", 2, 40, 709477506, ("tiny", "far_away"), "int64")),
     "steps without length": ("curve", Nasty("polyline", 2, 36, 121198482, ("tilted_plane", "huge"), "fortran")),
     "triangles seen edge on": ("compare", Nasty("prism", 3, 11, 100390536, ("ulp_duplicates", "tilted_plane"))),
+    "a surface too large for areas": ("surface_side", Nasty("prism", 3, 13, 476091663, ("huge",))),
     "centres of slivers": ("voronoi", Nasty("grid", 2, 53, 475463209, ("ulp_duplicates",))),
 }
 

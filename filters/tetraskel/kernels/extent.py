@@ -22,5 +22,6 @@ def expect_extent(points: Floats) -> None:
     extent = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
     if extent and not SMALLEST <= extent <= LARGEST:
         raise InputError(
-            f"expected points that span between {SMALLEST:g} and {LARGEST:g}, got {extent:g}; give them in another unit."
+            f"expected points that span between {SMALLEST:g} and {LARGEST:g}, got {extent:g}; give them in "
+            "another unit."
         )

@@ -49,8 +49,8 @@ def remove_flat(tree: Tree, *, threshold: float = FlatOptions.threshold, tick: T
 def all_flat(n_simplices: int, threshold: float) -> str:
     """What to say to those who would get nothing."""
     return (
-        f"expected simplices of quality {threshold:g} or better, got none among {n_simplices}: the points almost lie in a "
-        "plane or on a line; lower the threshold."
+        f"expected simplices of quality {threshold:g} or better, got none among {n_simplices}: the points almost lie "
+        "in a plane or on a line; lower the threshold."
     )
 
 
