@@ -64,9 +64,10 @@ def stages(points):
     surface = tetraskel.skeleton_surface(skeleton, max_cells=3000)
     hull = hull_facets(mesh)
     flat = tetraskel.triangulate(points[:200, :2])
+    noisy, ring = points + 0.02 * np.random.default_rng(0).normal(size=points.shape), hull_facets(flat)
     return {
         "triangulate": lambda tick: tetraskel.triangulate(points, tick=tick),
-        "denoised": lambda tick: tetraskel.denoised(points + 0.02 * np.random.default_rng(0).normal(size=points.shape), tick),
+        "denoised": lambda tick: tetraskel.denoised(noisy, tick),
         "build_tree": lambda tick: tetraskel.build_tree(mesh, tick=tick),
         "remove_flat": lambda tick: tetraskel.remove_flat(tree, tick=tick),
         "gate_tree": lambda tick: tetraskel.gate_tree(mesh, tick=tick),
@@ -74,7 +75,7 @@ def stages(points):
         "interior by surface": lambda tick: tetraskel.interior(
             mesh, method="surface", surface=(mesh.points, hull), tick=tick
         ),
-        "inside_by_outline": lambda tick: tetraskel.inside_by_outline(flat, flat.points * 0.7, hull_facets(flat), tick=tick),
+        "inside_by_outline": lambda tick: tetraskel.inside_by_outline(flat, flat.points * 0.7, ring, tick=tick),
         "curve_model": lambda tick: tetraskel.curve_model(mesh, tick=tick),
         "curve_skeleton": lambda tick: tetraskel.curve_skeleton(points, tick=tick),
         "medial_mesh": lambda tick: tetraskel.medial_mesh(model, tick=tick),

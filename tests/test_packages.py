@@ -55,7 +55,8 @@ def test_the_wheel_holds_every_module(built):
 
 
 def test_the_source_distribution_holds_every_module(built):
-    names = {name.partition("/")[2] for name in tarfile.open(built[0]).getnames()}
+    with tarfile.open(built[0]) as whole:
+        names = {name.partition("/")[2] for name in whole.getnames()}
     assert names >= {f"filters/{name}" for name in MODULES}
     assert "pyproject.toml" in names
 

@@ -29,7 +29,8 @@ HUGE = {
     b"</VTKFile>",
     "huge.vtp": b'<VTKFile type="PolyData" version="1.0"><PolyData><Piece NumberOfPoints="9999999999999" '
     b'NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0"><Points>'
-    b'<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0</DataArray></Points></Piece></PolyData></VTKFile>',
+    b'<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0</DataArray></Points>'
+    b"</Piece></PolyData></VTKFile>",
 }  # fmt: skip
 
 
