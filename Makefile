@@ -8,7 +8,7 @@ OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
 SLOW := found_inside or another_detail or read_back or what_was_merged or mesh_and_a_labelled or options_are_passed or \
     other_outputs or points_are_enough or way_back
 
-.PHONY: demo docs test test-oldest check format format-check lint types bench paraview-numba clean
+.PHONY: demo docs test test-oldest fuzz check format format-check lint types bench compare paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -26,6 +26,11 @@ docs: .venv/docs-ready
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site is in build/site; open build/site/index.html"
 
+# for hours: EXAMPLES and SECONDS of each of its tests
+fuzz: $(READY)
+	FUZZ_EXAMPLES=$(or $(EXAMPLES),1000000) FUZZ_SECONDS=$(or $(SECONDS),3600) \
+	    $(BIN)/python -m pytest -s tests/test_fuzz.py
+
 check: format-check lint types test
 
 format: $(READY)
@@ -42,6 +47,16 @@ types: $(READY)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/run.py --out docs
+
+# beside other programs, which get an environment of their own; MESHES is a folder of closed meshes (.obj)
+compare: $(READY) .venv-peers/ready
+	PYTHONPATH=filters $(BIN)/python benchmarks/peers/run.py --python .venv-peers/bin/python --out docs \
+	    $(if $(MESHES),--meshes $(MESHES)) $(if $(OBJECTS),--objects "$(OBJECTS)") $(if $(SIZES),--sizes $(SIZES))
+
+.venv-peers/ready: benchmarks/peers/requirements.txt
+	$(PYTHON) -m venv .venv-peers
+	-while read one; do .venv-peers/bin/python -m pip install --quiet --disable-pip-version-check "$$one"; done < $<
+	touch $@
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -72,4 +87,5 @@ paraview-numba: $(READY)
 	    --target plugin/numba_packages 'numba==0.61.2' 'llvmlite==0.44.0'
 
 clean:
-	rm -rf .venv .venv-oldest .pvpython-packages plugin/numba_packages $(OUT) build dist *.egg-info filters/*.egg-info
+	rm -rf .venv .venv-oldest .venv-peers benchmarks/peers/build .pvpython-packages plugin/numba_packages $(OUT) build dist \
+	    *.egg-info filters/*.egg-info

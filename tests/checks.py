@@ -33,6 +33,19 @@ def overlap(mesh: Triangulation, inside: Bools, shape: Shape, n: int = 100_000) 
     return float(common / (sizes.sum() + own - common))
 
 
+def hull_facets(mesh: Triangulation) -> Ints:
+    """(f, d) facets on the hull; triangles counter-clockwise as seen from outside."""
+    found = []
+    for cell, opposite in np.argwhere(mesh.neighbors < 0):
+        facet = np.delete(mesh.simplices[cell], opposite)
+        if mesh.dim == 3:
+            a, b, c = mesh.points[facet]
+            inward = np.cross(b - a, c - a) @ (mesh.points[mesh.simplices[cell, opposite]] - a) > 0
+            facet = facet[::-1] if inward else facet
+        found.append(facet)
+    return np.array(found, dtype=np.int64).reshape(-1, mesh.dim)
+
+
 def euler_characteristic(simplices: Ints) -> int:
     """Vertices - edges + triangles - tetrahedra of the closed set of some simplices, counted one by one."""
     total = 0

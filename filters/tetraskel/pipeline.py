@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, silent
-from tetraskel.kernels.flat import remove_flat
+from tetraskel.kernels.flat import all_flat, remove_flat
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.tree import build_tree
@@ -36,6 +37,11 @@ def tree_skeleton(
     tick : callable, optional
         Told the share of each stage done; may raise `Aborted`.
 
+    Raises
+    ------
+    InputError
+        For points that cannot be triangulated, or when all simplices are flat.
+
     Examples
     --------
     >>> import numpy as np
@@ -48,4 +54,6 @@ def tree_skeleton(
     else:
         mesh = triangulate(points, engine=engine, joggle=joggle, denoise=denoise, tick=tick)
     tree = remove_flat(build_tree(mesh, traversal=traversal, tick=tick), threshold=threshold, tick=tick)
+    if len(mesh) and len(tree) == 0:
+        raise InputError(all_flat(len(mesh), threshold))
     return assemble_skeleton(tree, centre=centre, keep_leaves=keep_leaves)

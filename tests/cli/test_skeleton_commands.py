@@ -74,8 +74,8 @@ def test_a_region_of_the_plane(tmp_path, capsys, branching):
 
 
 WRONG = [
-    ("1 1 0 0 0 0.5", "expected seven numbers in line 1"),
-    ("1 1 0 0 0 thick -1", "expected seven numbers in line 1"),
+    ("1 1 0 0 0 0.5", "expected seven finite numbers in line 1"),
+    ("1 1 0 0 0 thick -1", "expected seven finite numbers in line 1"),
     ("1 1 0 0 0 1 -1\n1 1 0 0 0 1 -1", "got 1 numbers twice"),
     ("1 1 0 0 0 1 -1\n2 1 0 0 0 1 7", "got 7, which is not there"),
     ("1 1 0 0 0 -1 -1", "finite and not negative, got 1 of 1"),

@@ -455,3 +455,31 @@ def test_pyvista_s_data_sets_are_inputs_like_any(name):
     for array in names(ours.GetPointData()):
         assert np.array_equal(point_array(theirs, array), point_array(ours, array)), array
     assert np.array_equal(pyvista.wrap(theirs)["Depth"], build_tree(triangulate(CLOUDS[name])).depth)
+
+
+def test_a_structured_grid_without_cells_is_thinned_to_nothing():
+    removal = FlatTetraRemoval()
+    removal.SetInputDataObject(0, vtkStructuredGrid())
+    result = removal.run()
+    assert result.IsA("vtkUnstructuredGrid")
+    assert result.GetNumberOfCells() == 0
+
+
+def test_a_tree_of_which_nothing_is_left_is_told():
+    mesh, tree, removal = DelaunayMesh(), TreeBuilder(), FlatTetraRemoval(threshold=1.0)
+    mesh.SetInputDataObject(0, polydata(CLOUDS["3D"]))
+    tree.SetInputConnection(0, mesh.GetOutputPort())
+    removal.SetInputConnection(0, tree.GetOutputPort())
+    with pytest.raises(InputError, match="lower the threshold"):
+        removal.run()
+
+
+def test_a_filter_that_is_not_used_any_more_is_gone():
+    gone = []
+    for source in (polydata(CLOUDS["3D"]), vtkImageData()):  # one that runs, one that VTK refuses
+        made = DelaunayMesh()
+        made.AddObserver("DeleteEvent", lambda *_: gone.append(1))
+        made.SetInputDataObject(0, source)
+        made.Update()
+        del made
+    assert len(gone) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -9,14 +10,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger
-from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructuredGrid
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from tetraskel.cli.arguments import STANDARD_INPUT
 from tetraskel.cli.graph_formats import write_csv, write_graphml, write_ply, write_swc
 from tetraskel.cli.tables import read_standard_input, read_table
+from tetraskel.cli.trial import try_to_read
 from tetraskel.errors import InputError
 from tetraskel.vtkfilters.convert import add_arrays, to_points
 
@@ -48,10 +51,15 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
 
 
 def _read_data_set(file: Path, images: bool) -> vtkPointSet:
+    try_to_read(file, lambda: _read_by_vtk(file, images))
+    return _read_by_vtk(file, images)
+
+
+def _read_by_vtk(file: Path, images: bool) -> vtkPointSet:
     import pyvista
 
     try:
-        with pyvista.VtkErrorCatcher() as caught, silent_log():
+        with pyvista.VtkErrorCatcher(send_to_logging=False) as caught, silent_log():
             data = pyvista.read(str(file))
     except Exception as error:
         raise InputError(f"{str(file)!r} cannot be read as {file.suffix}: {_first_line(str(error))}") from error
@@ -67,22 +75,43 @@ def _read_data_set(file: Path, images: bool) -> vtkPointSet:
         )
     if data.GetNumberOfPoints() == 0 and file.suffix.lower() in UNCHECKED:
         raise InputError(f"expected points in {str(file)!r}, got none; is it a {file.suffix} file?")
+    _expect_whole_cells(data, file)
     return data
 
 
+def _expect_whole_cells(data: vtkPointSet, file: Path) -> None:
+    """Raise `InputError` when cells name points that are not there: what follows would read beyond the arrays."""
+    if isinstance(data, vtkPolyData):
+        kinds = [data.GetVerts(), data.GetLines(), data.GetPolys(), data.GetStrips()]
+    else:
+        kinds = [data.GetCells()] if isinstance(data, vtkUnstructuredGrid) else []
+    for cells in kinds:
+        if cells is None or cells.GetNumberOfCells() == 0:
+            continue
+        offsets, ids = (vtk_to_numpy(array) for array in (cells.GetOffsetsArray(), cells.GetConnectivityArray()))
+        in_order = offsets[0] == 0 and (np.diff(offsets) >= 0).all() and offsets[-1] <= len(ids)
+        if not in_order or (len(ids) and not 0 <= ids.min() <= ids.max() < data.GetNumberOfPoints()):
+            raise InputError(
+                f"expected cells of the {data.GetNumberOfPoints()} points in {str(file)!r}, got some that name others."
+            )
+
+
 def _first_line(text: str) -> str:
-    lines = text.strip().splitlines()
-    return lines[0] if lines else "no reason given."
+    """What VTK complains of, without where in its source it does so, as the end of a sentence."""
+    lines = [line.strip() for line in text.splitlines() if line.strip() and "Generic Warning: In " not in line]
+    return (lines[0].rstrip(" .:;") if lines else "no reason given") + "."
 
 
 @contextmanager
 def silent_log() -> Iterator[None]:
     """Keep VTK's log off standard error: what matters is raised in one line."""
-    before = vtkLogger.GetCurrentVerbosityCutoff()
+    before, silenced = vtkLogger.GetCurrentVerbosityCutoff(), logging.root.manager.disable
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    logging.disable(logging.CRITICAL)  # PyVista tells Python's log, too
     try:
         yield
     finally:
+        logging.disable(silenced)
         vtkLogger.SetStderrVerbosity(before)
 
 

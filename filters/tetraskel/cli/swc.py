@@ -62,8 +62,9 @@ def read_swc(file: Path, radius_array: str) -> vtkPolyData:
 def _row(file: Path, number: int, line: str) -> list[float]:
     words = line.split("#")[0].split()
     try:
-        if len(words) >= COLUMNS:
-            return [float(word) for word in words[:COLUMNS]]
+        numbers = [float(word) for word in words[:COLUMNS]]
+        if len(words) >= COLUMNS and np.isfinite(numbers).all():
+            return numbers
     except ValueError:
         pass
-    raise InputError(f"expected seven numbers in line {number} of {str(file)!r}, got {line.strip()!r}.")
+    raise InputError(f"expected seven finite numbers in line {number} of {str(file)!r}, got {line.strip()!r}.")

@@ -28,14 +28,16 @@ def read_table(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 def _from_npy(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     try:
-        table = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise InputError(f"{str(file)!r} is not a plain array file.") from error
+        table = np.load(
+            file, mmap_mode="r", allow_pickle=False
+        )  # a mapping is no longer than the file, whatever it says
+    except (ValueError, EOFError, OSError, OverflowError, SyntaxError) as error:
+        raise InputError(f"{str(file)!r} is not a plain array file, or holds less than its header says.") from error
     if table.ndim != 2 or table.shape[1] not in (2, 3) or table.dtype.kind not in "fiub":
         raise InputError(
             f"expected numbers of shape (n, 2) or (n, 3) in {str(file)!r}, got {table.dtype} {table.shape}."
         )
-    return table, {}
+    return np.array(table), {}
 
 
 def _from_text(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:

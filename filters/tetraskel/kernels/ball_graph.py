@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import InputError
 from tetraskel.kernels.chains import trace_chains
 from tetraskel.kernels.curve_skeleton import Skeleton, line_edges
+from tetraskel.kernels.extent import expect_extent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -94,11 +95,25 @@ def ball_graph(skeleton: SkeletonLike) -> BallGraph:
 
 
 def _from_edges(points: ArrayLike, edges: ArrayLike, radius: ArrayLike) -> BallGraph:
-    pairs = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+    pairs = _pairs(edges)
     places = np.asarray(points, dtype=float)
     if places.size == 0:
         places = places.reshape(0, places.shape[1] if places.ndim == 2 else 3)
     return BallGraph(places, np.asarray(radius, dtype=float), np.arange(0, 2 * len(pairs) + 1, 2), pairs.ravel())
+
+
+def _pairs(edges: ArrayLike) -> Ints:
+    try:
+        pairs = np.asarray(edges)
+    except ValueError as error:
+        raise InputError(f"expected edges as an array of shape (s, 2), got {error}.") from error
+    if pairs.size == 0:
+        return np.empty((0, 2), np.int64)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
+        raise InputError(
+            f"expected edges as pairs of point ids of shape (s, 2), got shape {pairs.shape} of type {pairs.dtype}."
+        )
+    return pairs.astype(np.int64)
 
 
 def _check(graph: BallGraph) -> None:
@@ -118,6 +133,8 @@ def _check(graph: BallGraph) -> None:
         )
     if len(ids) and not 0 <= ids.min() <= ids.max() < len(points):
         raise InputError(f"expected edges between points 0 to {len(points) - 1}, got {ids.min()} to {ids.max()}.")
+    if len(graph):
+        expect_extent(np.stack(graph.box))
 
 
 def branches_of(graph: BallGraph) -> BallGraph:

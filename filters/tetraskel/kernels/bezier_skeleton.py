@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 LEAST = 1e-6  # of the skeleton's size: the tolerance where the radius is 0
+STANDING = 1e-60  # sizes of the skeleton per piece: below it a curve stands still
 STRAIGHT = 1e-9  # curvature times size below which a line is straight and has no torsion
 
 
@@ -178,6 +179,7 @@ def _described(
     curvature, torsion = np.zeros(len(skeleton)), np.zeros(len(skeleton))
     pieces: list[Floats] = [np.empty((0, 4, dim + 1))] * len(rows)
     size = float(np.sqrt((np.ptp(skeleton.points, axis=0) ** 2).sum())) if len(skeleton) else 0.0
+    size = size or 1.0  # all in one place
     for row, some in zip(rows, fitted, strict=True):
         ids = number[row]
         branch = int(skeleton.branch_id[ids[1]])
@@ -197,11 +199,12 @@ def _described(
 def _bending(found: Floats, size: float) -> tuple[Floats, Floats]:
     """Curvature |C' x C''| / |C'|^3 and torsion det(C', C'', C''') / |C' x C''|^2 from (4, k, D) derivatives."""
     space = np.zeros((*found.shape[:2], 3))
-    space[..., : found.shape[2] - 1] = found[..., :-1]
+    space[..., : found.shape[2] - 1] = found[..., :-1] / size  # in any unit; what comes back is per length
     _, first, second, third = space
     normal = np.cross(first, second)
     across, speed = np.sqrt((normal**2).sum(axis=1)), np.sqrt((first**2).sum(axis=1))
-    curvature = np.where(speed > 0, across / np.where(speed > 0, speed, 1.0) ** 3, 0.0)
-    bent = curvature * size > STRAIGHT
-    torsion = (normal * third).sum(axis=1) / np.where(bent & (across > 0), across, 1.0) ** 2
-    return curvature, np.where(bent & (across > 0), torsion, 0.0)
+    moving = speed > STANDING
+    curvature = np.where(moving, across / np.where(moving, speed, 1.0) ** 3, 0.0)
+    bent = (curvature > STRAIGHT) & (across > STANDING)
+    torsion = (normal * third).sum(axis=1) / np.where(bent, across, 1.0) ** 2
+    return curvature / size, np.where(bent, torsion, 0.0) / size

@@ -50,7 +50,8 @@ def on_edges(neighbours: Neighbours, keys: Ints, tick: Tick) -> tuple[Ints, Ints
         got = nearest_on_lines(neighbours, cells, none, origins, x[stop[lines]] - origins, spans)
         on = np.flatnonzero(got.after >= 0)
         lines, before, cells = lines[on], cells[on], got.after[on]
-        found.append((lines, edge_keys_of(before, cells), got.high[on]))
+        # a cell whose whole share rounding took ends where it begins, anywhere: the place is on the edge all the same
+        found.append((lines, edge_keys_of(before, cells), np.fmax(np.fmin(got.high[on], 1.0), 0.0)))
     if not found:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
     line, pair, place = (np.concatenate(column) for column in zip(*found, strict=True))

@@ -97,7 +97,8 @@ def _diagonals(tree: MedialTree, positions: Floats, radii: Floats) -> Floats:
     first = np.flatnonzero(np.diff(tree.component[order], prepend=-1))
     low = np.minimum.reduceat((positions - radii[:, None])[order], first, axis=0)
     high = np.maximum.reduceat((positions + radii[:, None])[order], first, axis=0)
-    return np.sqrt(((high - low) ** 2).sum(axis=1))
+    found = np.sqrt(((high - low) ** 2).sum(axis=1))
+    return np.where(found > 0, found, 1.0)  # of pieces all in one place, where nothing else has a length either
 
 
 def _candidates(tree: MedialTree, length: Floats, reach: Floats, tip: Ints, radii: Floats, diagonals: Floats) -> Ints:

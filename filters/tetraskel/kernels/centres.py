@@ -59,8 +59,12 @@ def _sum(rows: Floats) -> Floats:
 def inscribed_weights(mesh: Triangulation) -> Floats:
     """(m, d+1) barycentric coordinates of the incentres: proportional to the size of the opposite facet."""
     corners = mesh.coordinates[mesh.simplices]
+    corners = corners - corners[:, :1]
+    reach = np.abs(corners).max(axis=(1, 2), keepdims=True)
+    corners /= np.where(reach > 0, np.exp2(np.floor(np.log2(np.where(reach > 0, reach, 1.0)))), 1.0)  # in any unit
     sizes = np.stack([_facet_size(np.delete(corners, k, axis=1)) for k in range(mesh.dim + 1)], axis=1)
-    return sizes / sizes.sum(axis=1, keepdims=True)
+    total = sizes.sum(axis=1, keepdims=True)
+    return np.where(total > 0, sizes / np.where(total > 0, total, 1.0), 1 / (mesh.dim + 1))
 
 
 def _facet_size(corners: Floats) -> Floats:

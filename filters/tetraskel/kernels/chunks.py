@@ -33,6 +33,7 @@ def for_chunks(work: Callable[[slice], None], n: int, tick: Tick = silent, chunk
     if len(slices) < 4:
         for piece in slices:
             work(piece)
+        tick(1.0)
         return
     told = time.monotonic()
     with ThreadPoolExecutor(os.cpu_count()) as pool:

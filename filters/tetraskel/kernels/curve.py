@@ -19,12 +19,13 @@ from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import inside_of_object
 from tetraskel.kernels.loops import Loops, find_loops
 from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
-from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.passage_widths import passage_widths
 from tetraskel.kernels.triangulate import triangulate
@@ -145,6 +146,8 @@ def curve_model(
     InputError
         When nothing is inside.
     """
+    expect_mesh(mesh)
+    expect_extent(mesh.points)
     labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.25))
     inner = inner_mesh(mesh, labels)
     if len(inner.simplices) == 0 and len(mesh.points):

@@ -19,6 +19,9 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 STEP = 0.25  # distance between samples, in radii
+# Balls of neighbouring nodes share points, so that a step is at most twice their mean radius; a simplex that spans a
+# gap between clusters has its barycentre for node, and without a bound its step would take a million samples.
+LONGEST_STEP = 16.0  # radii
 WINDOW = 0.3  # standard deviation of the weights of the average over nodes, in radii
 RELAXATIONS = 2
 PULLS = (0.5, 1.0)  # shares of the way back to the node for points whose edges leave the interior
@@ -88,7 +91,7 @@ def _averages(positions: Floats, radii: Floats, path: Ints) -> tuple[Floats, Int
     """Inner samples of one chain and the node nearest to each along it."""
     step = np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=1))
     mean = 0.5 * (radii[1:] + radii[:-1])
-    along = np.concatenate([[0], np.cumsum(step / mean)])  # length in radii
+    along = np.concatenate([[0], np.cumsum(np.minimum(step / mean, LONGEST_STEP))])  # length in radii
     closed = path[0] == path[-1]
     n = max(int(np.ceil(along[-1] / STEP)), 3 if closed else 1)
     wanted = np.linspace(0, along[-1], n + 1)[1:-1]
@@ -119,7 +122,7 @@ def _relaxed(lines: Lines, nodes: MedialNodes) -> Lines:
         moved = 0.5 * (positions + total / np.maximum(degree, 1)[:, None])
         away = moved - start
         length = np.sqrt((away**2).sum(axis=1))
-        away *= np.minimum(1, limit / np.maximum(length, 1e-300))[:, None]
+        away *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
         positions = np.where(fixed[:, None], start, start + away)
     return Lines(positions, lines.offsets, lines.connectivity, lines.nodes)
 

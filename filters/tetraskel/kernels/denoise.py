@@ -32,6 +32,7 @@ APART = 1.5  # standard deviations between the points that are kept
 AGAIN, ROUNDS = 100, 3  # nearest points of the fits that follow among those kept, and how often
 BENT = 1.2  # what is left grows by more than this in fits to twice the points where bends make it; noise does not grow
 LEAST_POINTS = 100  # fewer say nothing about noise
+MOST_CELLS = 1e18  # of a grid whose cells have numbers; an outlier far away asks for more
 RIDGE = 1e-9  # of the trace: keeps the fit of points on one line solvable
 
 
@@ -144,15 +145,21 @@ def _evenly(n: int, some: int) -> Ints:
 def _left_after_fits(cloud: Cloud, places: Floats, k: int) -> tuple[float, float]:
     """Median residual of the fits to the k nearest points, in their extents and in the unit of the points."""
     away, near = cloud.query(places, k)
+    spread = away[:, -1] > 0  # else all in one place: nothing to fit
+    if not spread.any():
+        return 0.0, 0.0
+    away, near, places = away[spread], near[spread], places[spread]
     left = _fit(cloud.points[near], np.ones(near.shape), places, away[:, -1]).residual
     return float(np.median(left / away[:, -1])), float(np.median(left))
 
 
 def _apart(ranked: Floats, distance: float) -> Ints:
     """The first point in each cell of a grid of this width, ascending."""
-    cells = np.floor((ranked - ranked.min(axis=0)) / distance).astype(np.int64)
+    cells = np.floor((ranked - ranked.min(axis=0)) / distance)
+    if np.prod(cells.max(axis=0) + 1) > MOST_CELLS:
+        return np.sort(np.unique(cells, axis=0, return_index=True)[1])
     key = np.zeros(len(ranked), np.int64)
-    for column in cells.T:
+    for column in cells.astype(np.int64).T:
         key = key * (int(column.max()) + 1) + column
     return np.sort(np.unique(key, return_index=True)[1])
 

@@ -138,6 +138,8 @@ def _on_sheets(corners: Floats, area: Floats) -> tuple[Floats, Floats]:
     """Places spread over triangles, each for an equal area, less than 0 on those that take area back."""
     generator = np.random.default_rng(13)
     until = np.cumsum(np.abs(area))
+    if until[-1] == 0:  # sheets so narrow that rounding took their area
+        return corners.mean(axis=1), np.ones(len(corners))
     chosen = np.searchsorted(until, (np.arange(PLACES) + 0.5) / PLACES * until[-1])
     s, t = np.sqrt(generator.random(PLACES))[:, None], generator.random(PLACES)[:, None]
     a, b, c = corners[chosen].transpose(1, 0, 2)

@@ -63,7 +63,7 @@ class Exposure:
             away = np.sqrt(((places[:, None] - balls.positions[some][None]) ** 2).sum(axis=2))  # (ends, some)
             for row, covers in enumerate(balls.covers(some)):
                 np.minimum(self.excess[row], (away - covers).min(axis=1) + radii, out=self.excess[row])
-                np.minimum(self.ratio[row], (away / covers).min(axis=1), out=self.ratio[row])
+                np.minimum(self.ratio[row], in_covers(away, covers).min(axis=1), out=self.ratio[row])
 
     def drop_covered(self, diagonal: float) -> Floats:
         """Forget the ends that are of no significance, for good; significance of the others, which never grows."""
@@ -89,6 +89,12 @@ def significance(excess: Floats, ratio: Floats, alone: Floats, diagonal: float) 
     poking = np.sqrt(np.maximum(excess, 0) / diagonal * np.minimum(alone / diagonal, ALONE))
     edge, limb = poking * bump * np.maximum(1, ratio / SLENDER) ** SLENDER_POWER
     return np.asarray(np.maximum(limb, np.minimum(EDGE * edge, EDGE_LIMIT)))
+
+
+def in_covers(away: Floats, covers: Floats) -> Floats:
+    """Distances in covers; a ball without radius covers its own place only."""
+    ratio = np.where(away > 0, np.inf, 0.0)
+    return np.divide(away, covers, out=ratio, where=covers > 0)
 
 
 def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:

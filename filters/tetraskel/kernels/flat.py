@@ -46,6 +46,14 @@ def remove_flat(tree: Tree, *, threshold: float = FlatOptions.threshold, tick: T
     return replace(tree, forest=forest, cell=tree.cell[kept], entry=tree.entry[kept])
 
 
+def all_flat(n_simplices: int, threshold: float) -> str:
+    """What to say to those who would get nothing."""
+    return (
+        f"expected simplices of quality {threshold:g} or better, got none among {n_simplices}: the points almost lie "
+        "in a plane or on a line; lower the threshold."
+    )
+
+
 def remove_flat_cells(mesh: Triangulation, *, threshold: float = FlatOptions.threshold) -> Triangulation:
     """The mesh without its simplices of quality below `threshold`; points stay."""
     expect_mesh(mesh)

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.basins import Basins, gather_basins
 from tetraskel.kernels.chunks import Tick, part, silent
-from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.extent import expect_extent
+from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.passage_widths import widths_and_rooms
 from tetraskel.kernels.spanning_tree import RootedTree, maximum_spanning_tree, rooted
 from tetraskel.options import InteriorOptions
@@ -79,7 +80,14 @@ def gate_tree(mesh: Triangulation, *, tick: Tick = silent) -> GateTree:
         A Delaunay triangulation of the whole convex hull.
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
+
+    Raises
+    ------
+    InputError
+        For what is not a mesh, or points that span no size that can be calculated with.
     """
+    expect_mesh(mesh)
+    expect_extent(mesh.points)
     widths, rooms = widths_and_rooms(mesh.coordinates, mesh.simplices, part(tick, 0.0, 0.5))
     return gate_tree_of(mesh.neighbors, widths, rooms, tick)
 
@@ -150,7 +158,7 @@ class GateArrays:
 def gate_arrays(tree: GateTree, neighbors: Ints) -> GateArrays:
     """What the gate tree knows, for each of the simplices with these (m, d+1) neighbours."""
     basin = tree.basins.of_simplex[:-1]
-    cells, ahead = tree.facet // neighbors.shape[1], neighbors.ravel()[tree.facet]
+    cells, ahead = tree.facet // neighbors.shape[1], np.append(neighbors, -1)[tree.facet]
     leads_out = tree.basins.of_simplex[cells] == np.arange(tree.basins.count)  # else the gate is seen from beyond
     beyond = np.where(tree.facet < 0, -1, np.where(leads_out, ahead, cells))
     return GateArrays(tree.width[basin], tree.room_radius[basin], beyond[basin])

@@ -59,12 +59,14 @@ def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
     """Whether each segment, begun in its simplex, reaches its end without leaving the mesh.
 
     Strategy: all segments step at once, each out of its simplex where it leaves it: there its barycentric
-    coordinate of the vertex opposite falls to 0 first.
+    coordinate of the vertex opposite falls to 0 first. Among simplices without volume a segment may circle, which is
+    noticed as in `walk_to`; it does not arrive.
     """
     at, entered = cells.copy(), np.full(len(cells), -1)
+    mark, mark_entered, next_mark = at.copy(), entered.copy(), 1
     arrived = np.zeros(len(cells), bool)
     active = np.arange(len(cells))
-    for _ in range(LONGEST_EDGE):
+    for round_ in range(1, LONGEST_EDGE + 1):
         if len(active) == 0:
             break
         here = inner.simplices[at[active]]
@@ -84,6 +86,9 @@ def _follow(inner: InnerMesh, cells: Ints, start: Floats, end: Floats) -> Bools:
         going = ~arrived[active] & (target >= 0)
         entered[active], at[active] = at[active], target
         active = active[going]
+        active = active[(at[active] != mark[active]) | (entered[active] != mark_entered[active])]
+        if round_ == next_mark:
+            mark[active], mark_entered[active], next_mark = at[active], entered[active], 2 * next_mark
     return arrived
 
 

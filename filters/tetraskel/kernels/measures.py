@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import InputError
 from tetraskel.kernels.ball_graph import BallGraph
 from tetraskel.kernels.curve_skeleton import Skeleton
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.surface_rays import (
     Surface,
     first_hits,
@@ -56,6 +57,7 @@ def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike]) -> dict[st
         raise InputError(f"expected a skeleton in space, got points of shape {skeleton.points.shape}.")
     if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0:
         raise InputError(f"expected triangles of shape (t, 3), got {triangles.shape}.")
+    expect_extent(vertices)
     target = surface_of(vertices, triangles)
     diagonal = float(np.sqrt((np.ptp(vertices, axis=0) ** 2).sum()))
     inside, centredness = _along(skeleton, target)

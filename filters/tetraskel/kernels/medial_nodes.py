@@ -23,8 +23,10 @@ ON_FACET = -1e-9
 # Relative volume below which rounding of the input moves the circumcentre by more than it is worth.
 FLAT = 1e-6
 # A visibility walk in a Delaunay triangulation ends (Devillers, Pion, Teillaud 2002); where rounding decides, it may
-# circle. It then circles around its goal, and where it stands is taken for the answer.
+# circle: around its goal, or far from it among simplices without volume. What it passes holds the goal up to this
+# barycentric coordinate, or the walk has failed.
 LONGEST_WALK = 500
+NEARLY_INSIDE = -1e-3
 # A simplex whose squared volume is below this share of what its edges could span has none: rounding made it.
 EMPTY = 1e-24
 
@@ -83,7 +85,7 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     """(k, d+1) barycentric coordinates of (k, d) places in k simplices; -inf in simplices without volume."""
     first, normals, volumes = barycentric_frames(coordinates, simplices)
     result = np.full(simplices.shape, -np.inf)
-    solid = volumes * volumes > EMPTY * _edge_products(coordinates, simplices)
+    solid = is_solid(coordinates, simplices, volumes)
     scale = np.where(solid, volumes, 1.0)
     weights = _dots(normals, (places - first)[:, None]) / scale[:, None]
     total = weights[:, 0] + weights[:, 1]
@@ -92,6 +94,11 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     result[solid, 1:] = weights[solid]
     result[solid, 0] = 1 - total[solid]
     return result
+
+
+def is_solid(coordinates: Floats, simplices: Ints, volumes: Floats) -> Bools:
+    """(k,) simplices with more volume than rounding gives them."""
+    return np.asarray(volumes * volumes > EMPTY * _edge_products(coordinates, simplices))
 
 
 def _edge_products(coordinates: Floats, simplices: Ints) -> Floats:
@@ -121,7 +128,7 @@ def circumcentres(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> 
         first, normals, volumes = barycentric_frames(coordinates, simplices[piece])
         corners = coordinates[simplices[piece]]
         squares = ((corners[:, 1:] - corners[:, :1]) ** 2).sum(axis=2)
-        solid = volumes != 0
+        solid = is_solid(coordinates, simplices[piece], volumes)
         volume = np.where(solid, volumes, 1.0)[:, None]
         offset = np.einsum("ki,kia->ka", squares, normals) / (2 * volume)
         weights = np.einsum("kia,ka->ki", normals, offset) / volume
@@ -138,20 +145,48 @@ def circumcentres(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> 
 def walk_to(
     coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, places: Floats, tick: Tick = silent
 ) -> Ints:
-    """Simplex that contains each place (k,), -1 where the walk from `start` to it leaves the mesh.
+    """Simplex that contains each place (k,), -1 where the walk from `start` to it leaves the mesh or does not end.
 
     A visibility walk: out of each simplex through the facet behind which the place lies deepest and that leads
-    somewhere. All places step at once; the number of rounds is the longest walk.
+    somewhere. All places step at once; the number of rounds is the longest walk. A walker that stands again where it
+    stood at a round that is a power of two (Brent 1980), and came the same way, circles and stops: in the simplex of
+    the circle that holds the place best, if that one nearly does.
     """
     at, came = np.array(start, dtype=np.int64), np.full(len(start), -1)
-    active = np.arange(len(at))
+    mark, mark_came, next_mark = at.copy(), came.copy(), 1
+    active, circling = np.arange(len(at)), np.zeros(len(at), bool)
     for round_ in range(LONGEST_WALK):
         if len(active) == 0:
             break
         if round_ % 4 == 3:
             tick(1 - len(active) / len(at))
         active = active[_step(coordinates, simplices, neighbors, at, came, active, places)]
+        back = (at[active] == mark[active]) & (came[active] == mark_came[active])
+        circling[active[back]] = True
+        active = active[~back]
+        if round_ + 1 == next_mark:
+            mark[active], mark_came[active], next_mark = at[active], came[active], 2 * next_mark
+    at[active] = -1
+    lost = np.flatnonzero(circling)
+    at[lost] = _best_of_circles(coordinates, simplices, neighbors, at[lost], came[lost], places[lost])
     return at
+
+
+def _best_of_circles(
+    coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, entered: Ints, places: Floats
+) -> Ints:
+    """Simplex of the circle of each walker (k,) that nearly contains its place, the best one; -1 where none does."""
+    at, came, active = start.copy(), entered.copy(), np.arange(len(start))
+    best, found = np.full(len(at), NEARLY_INSIDE), np.full(len(at), -1)
+    for _ in range(LONGEST_WALK):
+        if len(active) == 0:
+            break
+        held = barycentric_coordinates(coordinates, simplices[at[active]], places[active]).min(axis=1)
+        better = active[held > best[active]]
+        best[better], found[better] = held[held > best[active]], at[better]
+        active = active[_step(coordinates, simplices, neighbors, at, came, active, places)]
+        active = active[(at[active] != start[active]) | (came[active] != entered[active])]
+    return found
 
 
 def _step(
@@ -178,7 +213,7 @@ def _step(
 
 
 def _walk_loop(  # type: ignore[no-untyped-def]
-    points, simplices, neighbors, places, on_facet, empty, longest, at
+    points, simplices, neighbors, places, on_facet, nearly, empty, longest, at
 ):
     """Where the circumcentre of each tetrahedron lies, -1 outside.
 
@@ -196,6 +231,8 @@ def _walk_loop(  # type: ignore[no-untyped-def]
                 if away < nearest:
                     nearest, cell = away, at[j]
         again, came = nearest < np.inf, -1
+        mark, mark_came, next_mark = cell, came, 1
+        circling, best, best_cell = False, nearly, -1
         while cell >= 0:
             s = 4 * cell
             a, b, c, d, x = 3 * simplices[s], 3 * simplices[s + 1], 3 * simplices[s + 2], 3 * simplices[s + 3], 3 * i
@@ -216,8 +253,11 @@ def _walk_loop(  # type: ignore[no-untyped-def]
                 n0, n1, n2 = u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0
                 fourth = (n0 * t0 + n1 * t1 + n2 * t2) / volume
                 first = 1 - (second + third + fourth)
-            if min(first, second, third, fourth) >= on_facet:
+            held = min(first, second, third, fourth)
+            if held >= on_facet:
                 break
+            if circling and held > best:
+                best, best_cell = held, cell
             target, lowest = -1, np.inf
             if 0 <= neighbors[s] != came and first < 0:
                 target, lowest = neighbors[s], first
@@ -228,11 +268,20 @@ def _walk_loop(  # type: ignore[no-untyped-def]
             if 0 <= neighbors[s + 3] != came and fourth < 0 and fourth < lowest:
                 target, lowest = neighbors[s + 3], fourth
             steps += 1
-            if steps == longest:
-                break
             came, cell = cell, target
+            lost = steps >= longest
+            if cell == mark and came == mark_came:
+                lost, circling = lost or circling, True
+            elif steps == next_mark and not circling:
+                mark, mark_came, next_mark = cell, came, 2 * next_mark
+            if lost:
+                cell = best_cell
+                if cell >= 0:
+                    break
             if cell < 0 and again:
                 came, cell, again = -1, i, False
+                mark, mark_came, next_mark, steps = i, -1, 1, 0
+                circling, best, best_cell = False, nearly, -1
         at[i] = cell
 
 
@@ -308,6 +357,7 @@ def _homes(
             neighbors.ravel(),
             centres.ravel(),
             ON_FACET,
+            NEARLY_INSIDE,
             EMPTY,
             LONGEST_WALK,
         )

@@ -22,6 +22,7 @@ Bools = NDArray[np.bool_]
 
 SECONDS_PER_NODE = 2e-6
 COST_POWER = 4
+LEAST_STRENGTH = 1e-9  # of the largest: paths through balls without radius cost much, not infinitely much
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ def _ways(cells: DualComplex, cut: Bools) -> tuple[Ints, Ints, Ints]:
 def _step_costs(cells: DualComplex, positions: Floats, strength: Floats) -> Floats:
     first, second = cells.facets.T
     length = np.sqrt(((positions[first] - positions[second]) ** 2).sum(axis=1))
-    return length / (0.5 * (strength[first] + strength[second])) ** COST_POWER
+    weakest = LEAST_STRENGTH * float(strength.max(initial=0.0)) or 1.0
+    return length / np.maximum(0.5 * (strength[first] + strength[second]), weakest) ** COST_POWER
 
 
 def _paths_loop(  # type: ignore[no-untyped-def]

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import EngineError, InputError
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.plane import plane_of_mesh, rounding
 from tetraskel.kernels.triangulate import ENGINE_MODULES, triangulate
@@ -90,6 +91,8 @@ def checked_outline(mesh: Triangulation, points: ArrayLike, segments: ArrayLike)
         raise InputError(f"expected segments as an array of point ids of shape (s, 2), got shape {edges.shape}.")
     if not np.isfinite(corners).all() or not 0 <= edges.min() <= edges.max() < len(corners):
         raise InputError(f"expected finite points and segment ids from 0 to {len(corners) - 1}.")
+    expect_extent(mesh.points)
+    expect_extent(corners)
     used, edges = np.unique(edges, return_inverse=True)
     corners, merged = np.unique(corners[used], axis=0, return_inverse=True)
     edges = np.sort(merged.reshape(-1)[edges.reshape(-1, 2)], axis=1)
@@ -107,8 +110,8 @@ def _refuse_crossings(corners: Floats, edges: Ints) -> None:
     a, b = corners[edges[:, 0]], corners[edges[:, 1]]
     for row in range(len(edges) - 1):
         c, d = a[row + 1 :], b[row + 1 :]
-        apart = _turn(a[row], b[row], c) * _turn(a[row], b[row], d) < 0
-        crossing = apart & (_turn(c, d, a[row]) * _turn(c, d, b[row]) < 0)
+        apart = np.sign(_turn(a[row], b[row], c)) * np.sign(_turn(a[row], b[row], d)) < 0
+        crossing = apart & (np.sign(_turn(c, d, a[row])) * np.sign(_turn(c, d, b[row])) < 0)
         if crossing.any():
             x, y = 0.5 * (a[row] + b[row])
             raise InputError(

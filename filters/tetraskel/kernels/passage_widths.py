@@ -28,7 +28,8 @@ def triangle_widths(squares: Floats) -> Floats:
     The largest distance from a triangle's points to its corners. Acute: the circumradius. Obtuse, with edges
     lo <= mid <= hi: where the bisector of `mid` meets `hi`, at mid^2 hi / (hi^2 + mid^2 - lo^2) from a corner; the
     circumradius would make a wide door of a thin triangle in a flat patch. A triangle without area is obtuse, and
-    both denominators stay well away from 0: the acute one is at least 3 lo^2 mid^2.
+    both denominators stay well away from 0: the acute one is at least 3 lo^2 mid^2. Where that is too small for a
+    double, among points nearer than 1e-80 to one another, the width is 0.
     """
     first, second, third = squares
     small, large = np.minimum(first, second), np.maximum(first, second)
@@ -40,7 +41,8 @@ def triangle_widths(squares: Floats) -> Floats:
     lever = high + middle - low
     top = np.where(obtuse, middle, low)
     bottom = np.where(obtuse, lever * lever, 4 * low * middle - bend * bend)
-    return np.sqrt(top * middle * high / bottom)
+    product = top * middle * high
+    return np.sqrt(np.divide(product, bottom, out=np.zeros_like(product), where=bottom > 0))
 
 
 def passage_widths(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> Floats:

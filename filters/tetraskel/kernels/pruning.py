@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick
-from tetraskel.kernels.exposure import Balls, significance, thinned
+from tetraskel.kernels.exposure import Balls, in_covers, significance, thinned
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -97,7 +97,7 @@ class _Fringe:
         node = self.tips[tip]
         away = np.sqrt(((self.balls.positions[self.nodes[use]] - self.balls.positions[node]) ** 2).sum(axis=1))
         for row, covers in enumerate(self.covers[:, use]):
-            out, ratio = away - covers, away / covers
+            out, ratio = away - covers, in_covers(away, covers)
             self.nearest[[row, 2 + row], tip] = self.piece_of[use[[out.argmin(), ratio.argmin()]]]
             self.excess[row, tip] = out.min() + self.balls.radii[node]
             self.ratio[row, tip] = ratio.min()

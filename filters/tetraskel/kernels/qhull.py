@@ -22,8 +22,8 @@ def delaunay(points: Floats, tick: Tick) -> tuple[Ints, Ints, Ints]:
     """Simplices (m, d+1), neighbours (m, d+1), and for each point the one that stands for it.
 
     Qhull leaves out a point whose distance to another is within its rounding; the nearest vertex stands for it. Where
-    points almost coincide its facets may be no triangulation; then points are merged within growing distances until
-    they are one.
+    points almost coincide its facets may be no triangulation, or have its point at infinity among their corners; then
+    points are merged within growing distances until they are one.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def delaunay(points: Floats, tick: Tick) -> tuple[Ints, Ints, Ints]:
         if distance and len(kept) == len(points):
             continue
         simplices, neighbors, left_out = _qhull(points[kept], tick)
-        if is_mesh(simplices, neighbors):
+        if simplices.max(initial=-1) < len(kept) and is_mesh(simplices, neighbors):
             stands_for[kept] = kept[left_out]
             return kept[simplices], neighbors, stands_for[stands_for]
     raise EngineError(
@@ -54,7 +54,8 @@ def _qhull(points: Floats, tick: Tick) -> tuple[Ints, Ints, Ints]:
         reason = str(error).strip().splitlines()[0]
         raise EngineError(f"Qhull could not triangulate {len(points)} points: {reason}; joggle by 1e-6.") from error
     stands_for = np.arange(len(points))
-    stands_for[found.coplanar[:, 0]] = found.coplanar[:, 2]
+    merged = found.coplanar[(found.coplanar[:, [0, 2]] < len(points)).all(axis=1)]  # without the point at infinity
+    stands_for[merged[:, 0]] = merged[:, 2]
     return found.simplices, found.neighbors, stands_for
 
 

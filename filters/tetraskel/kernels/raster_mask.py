@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.interior import inside_by_labels
-from tetraskel.kernels.medial_nodes import barycentric_frames
+from tetraskel.kernels.medial_nodes import barycentric_frames, is_solid
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.options import RasterInputOptions
 
@@ -62,7 +62,8 @@ def rasterise(
     Raises
     ------
     InputError
-        When nothing is inside, labels do not fit, or the resolution is out of bounds.
+        When nothing is inside, labels do not fit, the resolution is out of bounds, or so low that no point of the grid
+        lies in the object.
     """
     RasterInputOptions(resolution=resolution)
     expect_mesh(mesh)
@@ -77,12 +78,17 @@ def rasterise(
     ends = np.zeros((shape[0] + 1, int(np.prod(shape[1:]))), np.int32)
     first, last = _ranges((x[cells] - low) / step, shape)
     counts = np.maximum(last[:, 1:] - first[:, 1:] + 1, 0).prod(axis=1)
-    groups = np.searchsorted(np.cumsum(counts), np.arange(0, counts.sum() + LINES, LINES), side="left")
-    for start, stop in zip(groups[:-1], np.append(groups[1:-1], len(cells)), strict=True):
+    starts = np.searchsorted(np.cumsum(counts), np.arange(0, counts.sum(), LINES), side="left")
+    for start, stop in zip(starts, np.append(starts[1:], len(cells)), strict=True) if len(starts) else ():
         tick(start / len(cells))
         if stop > start:
             _cover(ends, (x[cells[start:stop]] - low) / step, first[start:stop], last[start:stop], shape)
     values = np.cumsum(ends, axis=0)[:-1] > 0
+    if not values.any():
+        raise InputError(
+            f"expected an object that holds points of the grid, got one between those of a resolution of {resolution}; "
+            "raise it."
+        )
     return Mask(values.reshape(shape), np.full(mesh.dim, step), low)
 
 
@@ -117,6 +123,7 @@ def _intervals(corners: Floats, cell: Ints, places: Floats) -> tuple[Floats, Flo
     n, width = len(corners), corners.shape[1]
     flat = np.arange(n * width).reshape(n, width)
     origin, normals, volumes = barycentric_frames(corners.reshape(-1, width - 1), flat)
+    volumes[~is_solid(corners.reshape(-1, width - 1), flat, volumes)] = 0
     rows = normals / np.where(volumes == 0, 1.0, volumes)[:, None, None]
     rows = np.concatenate([-rows.sum(axis=1, keepdims=True), rows], axis=1)  # gradients of barycentric coordinates
     offset = np.einsum("ka,kia->ki", -origin, rows)
@@ -126,7 +133,7 @@ def _intervals(corners: Floats, cell: Ints, places: Floats) -> tuple[Floats, Flo
     for i in range(width):
         slope = rows[cell, i, 0]
         value = offset[cell, i] + (rows[cell, i, 1:] * places).sum(axis=1) + ON_FACET
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             place = -value / slope
         low = np.where(slope > 0, np.maximum(low, place), low)
         high = np.where(slope < 0, np.minimum(high, place), high)

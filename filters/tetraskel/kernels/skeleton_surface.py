@@ -22,6 +22,7 @@ from tetraskel.options import SurfaceOptions
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+CELL_ROUNDINGS = 64  # of the largest coordinate in a cell: below, grid points fall together
 THIN_SHARE = 0.1  # of the length may be thinner than the radius that chooses the spacing
 STRAIGHT = 0.05  # of the spacing: edges that run straighter than this become one
 FINEST = 1024  # cells along the longest side of the box, when the spacing is chosen here
@@ -164,6 +165,12 @@ def _surface(graph: BallGraph, spacing: float, fineness: float, max_cells: int, 
     branches = branches_of(graph)
     step, capped = (spacing, False) if spacing > 0 else chosen_spacing(branches, fineness, max_cells)
     dim = graph.points.shape[1]
+    rounding = CELL_ROUNDINGS * np.finfo(float).eps * float(np.abs(np.stack(branches.box)).max())
+    if step < rounding:
+        raise InputError(
+            f"expected cells larger than the rounding of the coordinates ({rounding:.3g}), got {step:.3g}; move the "
+            "skeleton near to the origin, or give a larger spacing."
+        )
     floor = 0.5 * np.sqrt(dim) * step
     thin = branches.radius < floor
     branches = replace(branches, radius=np.maximum(branches.radius, floor))

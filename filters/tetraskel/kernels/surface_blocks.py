@@ -119,7 +119,7 @@ def _sharpened(cones: RoundCones, grid: Grid, blocks: Blocks) -> Blocks:
     best = np.flatnonzero(distance == np.repeat(least, sizes))
     best = best[np.searchsorted(best, blocks.offsets[:-1])]
     turn = away - np.repeat(away[:, best], sizes, axis=1)
-    bend = reach * reach / (2 * np.maximum(far[best] - reach, 1e-300))
+    bend = reach * reach / (2 * np.maximum(far[best] - reach, SLACK * reach))
     slack = np.repeat(bend + SLACK * reach, sizes)
     matters = distance - np.repeat(least, sizes) <= reach * np.sqrt((turn * turn).sum(axis=0)) + slack
     left = np.add.reduceat(matters, blocks.offsets[:-1])

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, part, silent
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.skeleton_surface import RebuiltSurface
 from tetraskel.kernels.surface_rays import SURFACE_PAIRS, Surface, nearest_in_triangles, surface_of, surface_samples
@@ -54,6 +55,7 @@ def surface_error(
         raise InputError(f"expected points and a surface to compare, got {len(places)} and {len(rebuilt)} points.")
     if not np.isfinite(places).all():
         raise InputError("expected finite points to compare with, got some with NaN or inf.")
+    expect_extent(places)
     diagonal = float(np.sqrt((np.ptp(places, axis=0) ** 2).sum()))
     if diagonal == 0:
         raise InputError("expected points to compare with that are not all in one place.")

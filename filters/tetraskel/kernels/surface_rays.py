@@ -12,6 +12,7 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 SURFACE_PAIRS = 1 << 22  # entries of a distance matrix at a time
+EDGE_ON = 1e-150  # of the box of a triangle: what rounding leaves of its area as seen along a ray
 SLACK = 1e-9  # of a triangle's size: rays through an edge meet both triangles rather than none
 
 
@@ -114,7 +115,8 @@ def _hit_distances(origin: Floats, way: Floats, corners: Floats) -> Floats:
     first, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(way, v)
     volume = (u * across).sum(axis=1)
-    solid = volume != 0
+    reach = np.abs(u).max(axis=1) * np.abs(v).max(axis=1)
+    solid = np.abs(volume) > EDGE_ON * reach  # else seen edge on
     scale = np.where(solid, volume, 1.0)
     away = origin - first
     s = (away * across).sum(axis=1) / scale

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.winding import winding_numbers
 
@@ -53,6 +54,7 @@ def checked_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[Floats, In
         raise InputError(f"expected a surface of triangles in space, got arrays {corners.shape} and {faces.shape}.")
     if not np.isfinite(corners).all():
         raise InputError("expected a surface with finite coordinates, got NaN or infinity.")
+    expect_extent(corners)
     if not 0 <= faces.min() <= faces.max() < len(corners):
         raise InputError(f"expected point ids from 0 to {len(corners) - 1}, got {faces.min()} to {faces.max()}.")
     corners, merged = np.unique(corners, axis=0, return_inverse=True)

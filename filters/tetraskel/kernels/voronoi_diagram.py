@@ -25,6 +25,7 @@ FAR = 4.0
 # Relative volume up to which rounding decides the orientation. Needles are flat by their volume but well oriented: two
 # samples of a surface, close together, and one far away.
 UNORIENTED = 1e-12
+NO_VOLUME = 1e-30  # relative: rounding made it, and its centre could be anywhere
 
 
 @dataclass(frozen=True)
@@ -172,8 +173,9 @@ def _balls(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Tick) ->
         largest = spread ** (0.5 * dim)
         flat[piece] = np.abs(volume) <= FLAT * largest
         signs[piece] = np.where(np.abs(volume) <= UNORIENTED * largest, 0, np.where(volume < 0, -1, 1))
-        offset /= np.where(volume == 0, 1.0, 2 * volume)
-        centres[piece] = np.where(volume == 0, corners.mean(axis=1), corners[:, 0] + offset).T
+        none = np.abs(volume) <= NO_VOLUME * largest
+        offset /= np.where(none, 1.0, 2 * volume)
+        centres[piece] = np.where(none, corners.mean(axis=1), corners[:, 0] + offset).T
         radii[piece] = np.sqrt(np.einsum("ak,ak->k", offset, offset))
 
     for_chunks(work, m, tick)

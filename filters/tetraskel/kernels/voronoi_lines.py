@@ -170,7 +170,7 @@ def _bounds(
         gap += along * np.repeat(offset, counts)
         slope += along * np.repeat(step, counts)
     slope[candidates == np.repeat(beside, counts)] = np.nan  # neither greater nor less
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         place = -gap / slope
     lower, upper = np.where(slope > 0, place, -np.inf), np.where(slope < 0, place, np.inf)
     upper[(slope == 0) & (gap < 0)] = -np.inf

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.curve import lifted
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
@@ -72,6 +73,7 @@ def voronoi_skeleton(
     """
     VoronoiOptions(method=method, least_separation=least_separation, least_angle=least_angle)
     expect_mesh(mesh)
+    expect_extent(mesh.points)
     labels = np.ones(len(mesh), bool) if inside is None else inside_by_labels(len(mesh), inside)
     if len(mesh) and not labels.any():
         raise InputError(

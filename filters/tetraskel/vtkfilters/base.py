@@ -125,9 +125,9 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         """
         for speaker in (self, self.GetExecutive()):  # ParaView exchanges the executive after construction
             if not speaker.HasObserver("ErrorEvent"):
-                speaker.AddObserver("ErrorEvent", self._heard)
+                speaker.AddObserver("ErrorEvent", _heard)
 
-    def _heard(self, speaker, event):
+    def _vtk_complained(self):
         if self._last_error is None:
             self._last_error = InputError(f"expected an input of type {self.input_type}, got another type or none.")
             self._print_error(self._last_error)
@@ -182,6 +182,13 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     def _stop_asked(self):
         check = getattr(self, "CheckAbort", None)  # VTK 9.3 and later
         return bool(check() if check else self.GetAbortExecute())
+
+
+def _heard(speaker, event):
+    """Observer of a filter and of its executive; a bound method would keep the filter alive for ever."""
+    owner = speaker if isinstance(speaker, SkeletonFilter) else speaker.GetAlgorithm()
+    if isinstance(owner, SkeletonFilter):
+        owner._vtk_complained()
 
 
 def _upstream(algorithm):

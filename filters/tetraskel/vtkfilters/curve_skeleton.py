@@ -110,6 +110,10 @@ def skeleton_from(data: vtkPolyData) -> Skeleton:
     InputError
         When there are no lines or no radii.
     """
+    if not isinstance(data, vtkPolyData):
+        raise InputError(
+            f"expected a skeleton as polygonal data, got {data.GetClassName()}; extract its surface first."
+        )
     radius = array_of(data.GetPointData(), "MaximumInscribedSphereRadius")
     if radius is None or data.GetNumberOfLines() == 0:
         raise InputError("expected lines with the point array MaximumInscribedSphereRadius, got none.")

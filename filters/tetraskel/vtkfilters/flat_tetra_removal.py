@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataObjectTypes
 
 from tetraskel.errors import InputError
-from tetraskel.kernels.flat import contract
+from tetraskel.kernels.flat import all_flat, contract
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import FlatOptions
@@ -27,12 +27,13 @@ class FlatTetraRemoval(SkeletonFilter):
     output_type = "vtkPointSet"
 
     def RequestDataObject(self, request, inInfo, outInfo):  # noqa: N803
-        """Called by VTK: the output has the input's type."""
+        """Called by VTK: polygonal data stay such, all else is an unstructured grid."""
         source = self._connected(inInfo[0])
         information = outInfo.GetInformationObject(0)
         output = information.Get(vtkDataObject.DATA_OBJECT())
-        if source is not None and (output is None or not output.IsA(source.GetClassName())):
-            information.Set(vtkDataObject.DATA_OBJECT(), vtkDataObjectTypes.NewDataObject(source.GetClassName()))
+        wanted = "vtkPolyData" if source is not None and source.IsA("vtkPolyData") else "vtkUnstructuredGrid"
+        if source is not None and (output is None or not output.IsA(wanted)):
+            information.Set(vtkDataObject.DATA_OBJECT(), vtkDataObjectTypes.NewDataObject(wanted))
         return 1
 
     def execute(self, inputs, outputs):
@@ -56,6 +57,8 @@ class FlatTetraRemoval(SkeletonFilter):
                 "expected a tree with the point array Quality, got none or NaN; connect the output of TreeBuilder."
             )
         kept_forest, kept = contract(forest, quality < self.threshold, traversal)
+        if len(forest) and len(kept) == 0:
+            raise InputError(all_flat(len(forest), self.threshold))
         fill_tree(output, points_of(source)[kept], kept_forest, traversal)
         copy_node_arrays(source, output, kept, tuple(forest_arrays(kept_forest)))
         return len(forest) - len(kept)
