@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkDemandDrivenPipe
 
 from tetraskel.errors import Aborted, InputError
 from tetraskel.options import Options, check_value
+from tetraskel.vtkfilters.found import facts_of, gathered
 
 PROGRESS_SECONDS = 0.1
 _OWN_ATTRIBUTES = ("InputType", "OutputType")  # set by VTKPythonAlgorithmBase
@@ -44,17 +45,22 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     second_input = ()  # name, port, data type and meaning of an optional second input
     n_outputs = 1
     output_names = ()  # of several outputs, as a panel shows them
+    drawn_as = ()  # a word for each output, see `paraview_display.LOOKS`
+    tells = {}  # noqa: RUF012  (read only: what it says of its result, with the meaning, see `found.facts_of`)
 
     def __init_subclass__(cls, **keywords):
         super().__init_subclass__(**keywords)
         for declared in fields(cls.options):
             _declare(cls, declared)
+        for fact in cls.tells:
+            _declare_fact(cls, fact)
         cls.__signature__ = _signature(cls.options)
 
     def __init__(self, **values):
         self._values = {declared.name: declared.default for declared in fields(self.options)}
         self._shown = 0.0
         self._last_error = None
+        self._found = []  # facts of each block
         super().__init__(
             nInputPorts=2 if self.second_input else 1,
             inputType=self.input_type,
@@ -77,6 +83,10 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         """What went wrong in the last execution, or None."""
         return self._last_error
 
+    def found(self, fact):
+        """A fact of `tells` about the last result, as text; of several blocks the sum, or what all of them say."""
+        return gathered(self._found, fact)
+
     def execute(self, inputs, outputs):
         """Fill the output data objects from the input data objects."""
         raise NotImplementedError
@@ -95,6 +105,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         inputs = [self._connected(vector) for vector in inInfo]
         outputs = [vtkDataObject.GetData(outInfo, port) for port in range(self.n_outputs)]
         self.execute(inputs, outputs)
+        self._found.append(facts_of(outputs[0]))
         return 1
 
     @staticmethod
@@ -106,7 +117,6 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         self._listen_to_vtk()
         try:
             if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
-                self._last_error = None
                 self.options(**self._values)  # the setters ParaView calls do not raise; here the error has one line
             return super().ProcessRequest(request, inInfo, outInfo)
         except (Exception, KeyboardInterrupt) as error:  # VTK would lose an interrupt; run() raises it again
@@ -126,6 +136,12 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         for speaker in (self, self.GetExecutive()):  # ParaView exchanges the executive after construction
             if not speaker.HasObserver("ErrorEvent"):
                 speaker.AddObserver("ErrorEvent", self._heard)
+        if not self.HasObserver("StartEvent"):
+            self.AddObserver("StartEvent", self._started)
+
+    def _started(self, speaker, event):
+        """Called by VTK once before all blocks of an input: what was said of the last one is no longer true."""
+        self._last_error, self._found = None, []
 
     def _heard(self, speaker, event):
         if self._last_error is None:
@@ -225,13 +241,21 @@ def _declare(cls, declared):
     setattr(cls, name, property(get_value, set_checked, doc=declared.metadata["doc"]))
 
 
+def _declare_fact(cls, fact):
+    """Give a filter class the getter of one fact."""
+
+    def get_fact(self):
+        return self.found(fact)
+
+    get_fact.__doc__ = cls.tells[fact]
+    setattr(cls, f"GetFound{fact}", get_fact)
+
+
 def _converted(value, declared):
     """Words of a choice may also come as their number, switches and numbers in any numeric type."""
     choices, default = declared.metadata["choices"], declared.default
     if choices and isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value < len(choices):
         return choices[value]
-    if isinstance(default, str) and value is None:
-        return ""  # as ParaView sends an empty text
     if isinstance(default, bool) and value in (0, 1):
         return bool(value)
     if isinstance(default, float) and isinstance(value, Real):

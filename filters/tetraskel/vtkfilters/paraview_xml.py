@@ -7,6 +7,7 @@ from dataclasses import fields
 from xml.sax.saxutils import escape, quoteattr
 
 from tetraskel.vtkfilters.base import camel_case
+from tetraskel.vtkfilters.paraview_display import display_hints
 
 MENU = '<ShowInMenu category="Skeleton Tree"/>'
 
@@ -16,8 +17,15 @@ def panel_xml(cls) -> str:
     first = _input("Input", 0, cls.input_type, cls.input_doc, "")
     second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
     properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
+    found = "\n".join(_fact(name, doc) for name, doc in cls.tells.items())
+    groups = _group("Found", [f"Found{name}" for name in cls.tells])
     ports = "".join(f'<OutputPort name="{name}" index="{k}"/>' for k, name in enumerate(cls.output_names))
-    return "\n".join([_documentation(cls), first, second, properties, ports])
+    return "\n".join([_documentation(cls), first, second, properties, found, groups, ports])
+
+
+def hints_xml(cls) -> str:
+    """Where a filter is in the menu, and how its outputs are drawn, for `smhint.xml`."""
+    return MENU + display_hints(cls)
 
 
 def label(name: str) -> str:
@@ -47,6 +55,18 @@ def _property(declared, options) -> str:
     kind = _kind(declared)
     documentation = f"<Documentation>{escape(metadata['doc'] + unit)}</Documentation>"
     return f"<{kind} {common}>{_domain(declared)}{documentation}{_shown_when(declared, options)}</{kind}>"
+
+
+def _fact(name: str, doc: str) -> str:
+    """A read-only field."""
+    common = f'name="Found{name}" label="{label(name)}" command="GetFound{name}" number_of_elements="1"'
+    shown = 'information_only="1" panel_visibility="default"'
+    return f"<StringVectorProperty {common} {shown}><Documentation>{escape(doc)}</Documentation></StringVectorProperty>"
+
+
+def _group(title: str, names: list[str]) -> str:
+    members = "".join(f'<Property name="{name}"/>' for name in names)
+    return f'<PropertyGroup label="{title}">{members}</PropertyGroup>' if members else ""
 
 
 def _kind(declared) -> str:

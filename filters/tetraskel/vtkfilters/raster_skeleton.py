@@ -15,7 +15,17 @@ from tetraskel.kernels.raster_skeleton import raster_skeleton
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import RasterInputOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, array_of, holds_simplices, mesh_of, points_of, to_cells, to_points
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    holds_simplices,
+    mesh_of,
+    pass_facts,
+    points_of,
+    to_cells,
+    to_points,
+)
 
 
 class RasterSkeleton(SkeletonFilter):
@@ -29,6 +39,12 @@ class RasterSkeleton(SkeletonFilter):
 
     options = RasterInputOptions
     input_type = "vtkDataSet"
+    drawn_as = ("lines",)
+    tells = {  # noqa: RUF012
+        "Points": "Grid points of the skeleton.",
+        "Lines": "Pairs of neighbours among them.",
+        "Grid": "Grid points of the mask along each axis.",
+    }
     input_doc = "An image that is not 0 inside, points on the surface of an object, or a mesh with a cell array Inside."
 
     def execute(self, inputs, outputs):
@@ -43,7 +59,7 @@ class RasterSkeleton(SkeletonFilter):
             tick=self.tick("Drawing the skeleton of the mask", 0.5, 1.0),
         )
         self._fill(output, skeleton, flat_axis(skeleton.points))
-        output.GetFieldData().PassData(source.GetFieldData())
+        pass_facts(source, output)
 
     def _mask(self, source):
         """How points of the mask become points of space, and the mask."""
@@ -95,3 +111,4 @@ class RasterSkeleton(SkeletonFilter):
         output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
         grid = {"GridDimensions": np.array(skeleton.shape, np.int32), "GridSpacing": skeleton.spacing}
         add_arrays(output.GetFieldData(), {**grid, "GridOrigin": skeleton.origin})
+        add_facts(output, {"Grid": " x ".join(map(str, skeleton.shape))})
