@@ -22,7 +22,12 @@ from gui import APPLY, choose_filter, playlist  # noqa: E402
 from programs import environment, program  # noqa: E402
 
 WIDTH, HEIGHT = 1280, 980
-WINDOW = f"[General]\nGeneralSettings.ShowWelcomeDialog=false\n[MainWindow]\nSize=@Size({WIDTH} {HEIGHT})\nPosition=@Point(0 0)\n"
+WINDOW = f"""[General]
+GeneralSettings.ShowWelcomeDialog=false
+[MainWindow]
+Size=@Size({WIDTH} {HEIGHT})
+Position=@Point(0 0)
+"""
 DRAWING, LONGEST = 2.0, 200.0  # seconds
 SAMPLES = ROOT / "sample_data"
 LOAD = """
@@ -55,12 +60,15 @@ def picture_of(name: str, file: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
         (here / "script.py").write_text(LOAD.format(name=sample, file=str(SAMPLES / f"{sample}.vtp")))
-        (here / "events.xml").write_text(playlist([event for one in (*before, name) for event in (choose_filter(one), APPLY)]))
+        (here / "events.xml").write_text(
+            playlist([event for one in (*before, name) for event in (choose_filter(one), APPLY)])
+        )
         (here / ".config" / "ParaView").mkdir(parents=True)
         for version in ("5.11.0", "5.11.0-dirty"):
             (here / ".config" / "ParaView" / f"ParaView{version}.ini").write_text(WINDOW)
         screen = subprocess.Popen(
-            [program("Xvfb"), ":97", "-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-fbdir", folder], stderr=subprocess.DEVNULL
+            [program("Xvfb"), ":97", "-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-fbdir", folder],
+            stderr=subprocess.DEVNULL,
         )
         time.sleep(1)
         command = [program("paraview"), f"--script={here / 'script.py'}", f"--test-directory={here}"]

@@ -33,9 +33,9 @@ from tetraskel.vtkfilters.drawn_data import data_of_boundary
 class InteriorCells(SkeletonFilter):
     """A mesh with a cell array Inside, 1 where a cell lies inside the object, or only these cells.
 
-    The second output is the object's boundary: the facets between inside and outside. The object is known by the mesh's points alone (method gates), by a closed surface or an outline at the second
-    input, or by a cell array. An outline splits cells, so that it becomes a union of their edges; all other methods
-    leave the mesh as it is.
+    The second output is the object's boundary: the facets between inside and outside. The object is known by the
+    mesh's points alone (method gates), by a closed surface or an outline at the second input, or by a cell array. An
+    outline splits cells, so that it becomes a union of their edges; all other methods leave the mesh as it is.
     """
 
     options = InteriorCellsOptions

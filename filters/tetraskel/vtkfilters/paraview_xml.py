@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields
 from xml.sax.saxutils import escape, quoteattr
 
 from tetraskel.vtkfilters.base import camel_case
 from tetraskel.vtkfilters.paraview_display import display_hints
 
+ONLY_FOR = {  # kinds of input that `when` names
+    "image": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData"',
+    "points": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData" exclude="1"',
+}
 MENU = '<ShowInMenu category="Skeleton Tree"/>'
 
 
@@ -18,7 +23,8 @@ def panel_xml(cls) -> str:
     second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
     properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
     found = "\n".join(_fact(name, doc) for name, doc in cls.tells.items())
-    groups = _group("Found", [f"Found{name}" for name in cls.tells])
+    groups = "".join(_group(title, map(camel_case, names)) for title, names in cls.options.groups.items())
+    groups += _group("Found", [f"Found{name}" for name in cls.tells])
     ports = "".join(f'<OutputPort name="{name}" index="{k}"/>' for k, name in enumerate(cls.output_names))
     return "\n".join([_documentation(cls), first, second, properties, found, groups, ports])
 
@@ -64,7 +70,7 @@ def _fact(name: str, doc: str) -> str:
     return f"<StringVectorProperty {common} {shown}><Documentation>{escape(doc)}</Documentation></StringVectorProperty>"
 
 
-def _group(title: str, names: list[str]) -> str:
+def _group(title: str, names: Iterable[str]) -> str:
     members = "".join(f'<Property name="{name}"/>' for name in names)
     return f'<PropertyGroup label="{title}">{members}</PropertyGroup>' if members else ""
 
@@ -80,6 +86,8 @@ def _shown_when(declared, options) -> str:
     if not declared.metadata["when"]:
         return ""
     name, word = declared.metadata["when"]
+    if name == "Input":
+        return f"<Hints><PropertyWidgetDecorator {ONLY_FOR[word]}/></Hints>"
     (other,) = (field for field in fields(options) if field.name == name)
     value = other.metadata["choices"].index(word) if other.metadata["choices"] else word
     decorator = f'type="GenericDecorator" mode="visibility" property="{camel_case(name)}" value="{value}"'
@@ -106,6 +114,6 @@ def _domain(declared) -> str:
     if metadata["bounds"] is None:
         return ""
     kind = "DoubleRangeDomain" if isinstance(declared.default, float) else "IntRangeDomain"
-    low, high = metadata["bounds"]
+    low, high = metadata["slider"]
     upper = f' max="{high}"' if math.isfinite(high) else ""
     return f'<{kind} name="range" min="{low}"{upper}/>'

@@ -7,7 +7,16 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.forest import Forest, complete_forest
-from tetraskel.vtkfilters.convert import add_arrays, add_facts, array_of, copy_rows, fact, pass_facts, to_cells, to_points
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    copy_rows,
+    fact,
+    pass_facts,
+    to_cells,
+    to_points,
+)
 
 NEEDED = ("NodeId", "ParentId", "Depth", "TreeId")
 
