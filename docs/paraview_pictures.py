@@ -32,7 +32,7 @@ DRAWING, LONGEST = 2.0, 200.0  # seconds
 SAMPLES = ROOT / "sample_data"
 LOAD = """
 from paraview.simple import *
-cloud = XMLPolyDataReader(registrationName={name!r}, FileName={file!r})
+cloud = {source}
 shown = Show(cloud)
 SetActiveSource(cloud)
 view = GetActiveView()
@@ -40,13 +40,14 @@ view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [1, -2, 0.8], [0
 ResetCamera()
 """
 TREE = ("DelaunayMesh", "TreeBuilder")
+FEW = "PointSource(registrationName='points', NumberOfPoints=60, Seed=3)"
 STEPS = {  # the sample, and the filters that are applied before the one shown
     "CurveSkeleton": ("tree_of_tubes", ()),
     "DelaunayMesh": ("torus", ()),
     "InteriorCells": ("torus", ("DelaunayMesh",)),
-    "TreeBuilder": ("box8", ("DelaunayMesh",)),
-    "FlatTetraRemoval": ("y_tube", TREE),
-    "SkeletonOutput": ("y_tube", TREE),
+    "TreeBuilder": (FEW, ("DelaunayMesh",)),
+    "FlatTetraRemoval": (FEW, TREE),
+    "SkeletonOutput": (FEW, (*TREE, "FlatTetraRemoval")),
     "SkeletonSurface": ("tree_of_tubes", ("CurveSkeleton",)),
     "BezierSkeleton": ("tree_of_tubes", ("CurveSkeleton",)),
     "VoronoiSkeleton": ("torus", ()),
@@ -57,9 +58,12 @@ STEPS = {  # the sample, and the filters that are applied before the one shown
 def picture_of(name: str, file: Path) -> None:
     """Apply the filters of a step in a ParaView of its own, and keep its window."""
     sample, before = STEPS[name]
+    file_of_sample = str(SAMPLES / f"{sample}.vtp")
+    source = f"XMLPolyDataReader(registrationName={sample!r}, FileName={file_of_sample!r})"
+    source = sample if "(" in sample else source
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
-        (here / "script.py").write_text(LOAD.format(name=sample, file=str(SAMPLES / f"{sample}.vtp")))
+        (here / "script.py").write_text(LOAD.format(source=source))
         (here / "events.xml").write_text(
             playlist([event for one in (*before, name) for event in (choose_filter(one), APPLY)])
         )

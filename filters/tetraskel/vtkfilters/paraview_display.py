@@ -35,7 +35,7 @@ class Look:
 TUBES = {"RenderLinesAsTubes": 1, "RenderPointsAsSpheres": 1}
 LOOKS = {
     "lines": Look("Surface", "SkeletonLines", {**TUBES, "LineWidth": 6.0, "PointSize": 6.0}),
-    "thin lines": Look("Surface", "SkeletonThinLines", {**TUBES, "LineWidth": 2.0, "PointSize": 4.0}),
+    "thin lines": Look("Surface", "SkeletonThinLines", {**TUBES, "LineWidth": 3.0, "PointSize": 5.0}),
     "cloud": Look("Points", "SkeletonCloud", {"PointSize": 2.0, "Opacity": 0.35}),
     "surface": Look("Surface"),
     "mesh": Look("Surface With Edges"),

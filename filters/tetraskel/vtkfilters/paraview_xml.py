@@ -14,6 +14,7 @@ ONLY_FOR = {  # kinds of input that `when` names
     "image": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData"',
     "points": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData" exclude="1"',
 }
+ALSO_OPTIONS = ("Engine", "Spacing")  # facts with the name of an option, from which scripts must tell them
 MENU = '<ShowInMenu category="Skeleton Tree"/>'
 
 
@@ -65,9 +66,10 @@ def _property(declared, options) -> str:
 
 def _fact(name: str, doc: str) -> str:
     """A read-only field."""
-    common = f'name="Found{name}" label="{label(name)}" command="GetFound{name}" number_of_elements="1"'
-    shown = 'information_only="1" panel_visibility="default"'
-    return f"<StringVectorProperty {common} {shown}><Documentation>{escape(doc)}</Documentation></StringVectorProperty>"
+    shown = label(name) + (" Used" if name in ALSO_OPTIONS else "")
+    common = f'name="Found{name}" label="{shown}" command="GetFound{name}" number_of_elements="1"'
+    kind = 'information_only="1" panel_visibility="default"'
+    return f"<StringVectorProperty {common} {kind}><Documentation>{escape(doc)}</Documentation></StringVectorProperty>"
 
 
 def _group(title: str, names: Iterable[str]) -> str:

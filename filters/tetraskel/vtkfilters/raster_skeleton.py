@@ -39,7 +39,7 @@ class RasterSkeleton(SkeletonFilter):
 
     options = RasterInputOptions
     input_type = "vtkDataSet"
-    drawn_as = ("lines",)
+    drawn_as = ("thin lines",)
     tells = {  # noqa: RUF012
         "Points": "Grid points of the skeleton.",
         "Lines": "Pairs of neighbours among them.",
