@@ -4,7 +4,9 @@ BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
 
-.PHONY: demo test check format format-check lint types bench paraview-numba clean
+VERSION = $(shell sed -n 's/^__version__ = "\(.*\)"/\1/p' filters/tetraskel/__init__.py)
+
+.PHONY: plugin demo test check format format-check lint types bench paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -42,6 +44,10 @@ $(READY): pyproject.toml
 	if command -v pvpython >/dev/null; then \
 	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --target $@ pytest hypothesis; \
 	fi
+
+# one zip that a user unpacks anywhere and loads in ParaView
+plugin:
+	$(PYTHON) tools/plugin_zip.py dist/tetraskel-paraview-$(VERSION).zip
 
 # numba for a ParaView whose Python has the version of $(PYTHON): beside the plugin, which looks for it there; without
 # dependencies, because ParaView brings its own NumPy (the versions are those for NumPy 1.24 and later)

@@ -7,12 +7,19 @@ any Python plugin without it.
 from __future__ import annotations
 
 import argparse
+import shutil
+import sys
 from pathlib import Path
 
 from tetraskel.errors import InputError
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PLACES = (PACKAGE.parents[1] / "plugin", PACKAGE / "paraview_plugin")  # a checkout, an installation
+
+NOTE = (
+    'note: the ParaView on this machine loads Python plugins only with a shim (else it says "invalid ELF header"); '
+    "start it as: PYTHONPATH={shim} paraview"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +32,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> None:
     """Print the path."""
     print(PACKAGE / "paraview_shim" if chosen.shim else plugin_file())
+    if not chosen.shim and needs_shim():
+        print(NOTE.format(shim=PACKAGE / "paraview_shim"), file=sys.stderr)
+
+
+def needs_shim() -> bool:
+    """Whether the ParaView on the path is one that cannot load a Python plugin, as those of Debian 12."""
+    program = shutil.which("paraview") or shutil.which("pvpython")
+    if program is None:
+        return False
+    prefix = Path(program).resolve().parents[1]
+    modules = prefix.glob("lib/python3*/*-packages/paraview/detail/pythonalgorithm.py")
+    return any("import getargspec" in file.read_text(errors="replace") for file in modules)
 
 
 def plugin_file() -> Path:

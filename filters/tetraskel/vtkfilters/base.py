@@ -9,12 +9,16 @@ from numbers import Integral, Real
 
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkOutputWindow
-from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkDemandDrivenPipeline
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject
+from vtkmodules.vtkCommonExecutionModel import (
+    vtkAlgorithm,
+    vtkDemandDrivenPipeline,
+    vtkStreamingDemandDrivenPipeline,
+)
 
 from tetraskel.errors import Aborted, InputError
 from tetraskel.options import Options, check_value
-from tetraskel.vtkfilters.found import facts_of, gathered
+from tetraskel.vtkfilters.found import count_blocks, facts_of, gathered, whole_input
 
 PROGRESS_SECONDS = 0.1
 _OWN_ATTRIBUTES = ("InputType", "OutputType")  # set by VTKPythonAlgorithmBase
@@ -61,6 +65,8 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         self._shown = 0.0
         self._last_error = None
         self._found = []  # facts of each block
+        self._said = set()  # errors, each printed once for all blocks
+        self._blocks_left, self._is_first = 0, False
         super().__init__(
             nInputPorts=2 if self.second_input else 1,
             inputType=self.input_type,
@@ -117,10 +123,13 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         self._listen_to_vtk()
         try:
             if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
+                self._begin_block()
                 self.options(**self._values)  # the setters ParaView calls do not raise; here the error has one line
+            else:
+                self._look_ahead(request)
             return super().ProcessRequest(request, inInfo, outInfo)
         except (Exception, KeyboardInterrupt) as error:  # VTK would lose an interrupt; run() raises it again
-            self._last_error = error
+            self._last_error = self._last_error or error
             self._empty_outputs(outInfo)
             if isinstance(error, (Aborted, KeyboardInterrupt)):
                 return 1
@@ -136,12 +145,21 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         for speaker in (self, self.GetExecutive()):  # ParaView exchanges the executive after construction
             if not speaker.HasObserver("ErrorEvent"):
                 speaker.AddObserver("ErrorEvent", self._heard)
-        if not self.HasObserver("StartEvent"):
-            self.AddObserver("StartEvent", self._started)
 
-    def _started(self, speaker, event):
-        """Called by VTK once before all blocks of an input: what was said of the last one is no longer true."""
-        self._last_error, self._found = None, []
+    def _look_ahead(self, request):
+        """Before an execution VTK asks with the whole input; for each block of a composite it then asks again."""
+        whole = whole_input(self)
+        if isinstance(whole, vtkCompositeDataSet):
+            self._blocks_left, self._is_first = count_blocks(whole), True
+        elif request.Has(vtkStreamingDemandDrivenPipeline.REQUEST_UPDATE_TIME()):  # not asked for a block
+            self._blocks_left = 0
+
+    def _begin_block(self):
+        """Forget what was said of the last input, unless this is the next block of the same one."""
+        if self._is_first or self._blocks_left == 0:
+            self._last_error, self._found, self._said = None, [], set()
+        self._is_first = False
+        self._blocks_left = max(self._blocks_left - 1, 0)
 
     def _heard(self, speaker, event):
         if self._last_error is None:
@@ -149,7 +167,9 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
             self._print_error(self._last_error)
 
     def _print_error(self, error):
-        vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+        if str(error) not in self._said:
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+        self._said.add(str(error))
 
     def warn(self, message):
         """Print one line of warning."""

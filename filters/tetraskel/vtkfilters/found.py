@@ -5,11 +5,32 @@ Composite data come block by block: counts are added up, other facts are named o
 
 from __future__ import annotations
 
-from vtkmodules.vtkCommonDataModel import vtkDataSet, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataSet, vtkPolyData
 
 from tetraskel.vtkfilters.convert import single_facts
 
 DIGITS = 6
+
+
+def whole_input(algorithm):
+    """What is at the first input: while a block is executed the block, before it the composite."""
+    connection = algorithm.GetInputConnection(0, 0)
+    if connection is None:
+        return None
+    return connection.GetProducer().GetOutputDataObject(connection.GetIndex())
+
+
+def count_blocks(data) -> int:
+    """The blocks of a composite that hold data; 1 for any other data set."""
+    if not isinstance(data, vtkCompositeDataSet):
+        return 1
+    leaves = data.NewIterator()
+    leaves.InitTraversal()
+    n = 0
+    while not leaves.IsDoneWithTraversal():
+        n += 1
+        leaves.GoToNextItem()
+    return n
 
 
 def facts_of(data: vtkDataSet) -> dict[str, int | float | str]:
