@@ -9,6 +9,12 @@ import importlib.util
 import os
 import sys
 
+if sys.version_info < (3, 10):  # noqa: UP036  (ParaView chooses the Python, not an installer)
+    raise ImportError(
+        "tetraskel needs a ParaView with Python 3.10 or later, as 5.12 and later have; "
+        f"this one has Python {sys.version_info[0]}.{sys.version_info[1]}."
+    )
+
 
 def _load_package():
     """Import tetraskel from beside this file, or from wherever Python finds it."""

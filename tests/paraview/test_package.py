@@ -7,13 +7,16 @@ import re
 import subprocess
 import sys
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 
 from paths import PLUGIN, ROOT, SAMPLES
 from programs import finished, program
-from tetraskel import __version__
+from tetraskel import __version__, vtkfilters
 from tetraskel.cli import main, plugin_path
+from tetraskel.vtkfilters.paraview_display import LOOKS, REPRESENTATIONS
+from tetraskel.vtkfilters.paraview_xml import panel_xml
 
 TOOL = ROOT / "tools" / "plugin_zip.py"
 USE = """
@@ -126,3 +129,33 @@ def test_the_saved_state_reopens(pvpython, tmp_path):
     assert (found["detail"], found["method"]) == (0.5, "Gates")
     assert found["lines"] == [6.0, 1, "MaximumInscribedSphereRadius"]
     assert found["again"] == [0.25, "Widest"]
+
+
+def test_a_paraview_that_is_too_old_is_told(monkeypatch):
+    monkeypatch.setattr(sys, "version_info", (3, 9, 13))
+    with pytest.raises(ImportError, match=r"needs a ParaView with Python 3\.10 or later, .*; this one has Python 3\.9"):
+        exec(compile(PLUGIN.read_text(), str(PLUGIN), "exec"), {"__file__": str(PLUGIN)})
+
+
+@pytest.mark.parametrize("name", [name for name in vtkfilters.__all__ if name != "SkeletonFilter"])
+def test_what_is_told_can_be_told_from_what_is_asked(name):
+    """Names of a proxy's properties in scripts are their labels; each is one property."""
+    panel = ElementTree.fromstring(f"<Proxy>{panel_xml(getattr(vtkfilters, name))}</Proxy>")
+    own = [one for one in panel if one.tag.endswith("Property")]
+    labels = [one.get("label", one.get("name")).replace(" ", "") for one in own]
+    assert len(set(labels)) == len(labels)
+    grouped = [one.get("name") for one in panel.iter("Property")]
+    assert set(grouped) <= {one.get("name") for one in own}
+    told = [one for one in own if one.get("information_only")]
+    assert len(told) == len(getattr(vtkfilters, name).tells) > 0
+    assert all(one.find("Documentation").text for one in own)
+
+
+def test_every_output_has_a_look():
+    for name in vtkfilters.__all__:
+        if name != "SkeletonFilter":
+            cls = getattr(vtkfilters, name)
+            assert len(cls.drawn_as) == cls.n_outputs
+            assert set(cls.drawn_as) <= set(LOOKS)
+    declared = re.findall(r"representation\(\"(\w+)\"\)", PLUGIN.read_text())
+    assert tuple(declared) == REPRESENTATIONS
