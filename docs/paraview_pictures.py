@@ -41,7 +41,7 @@ view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [1, -2, 0.8], [0
 ResetCamera()
 """
 TREE = ("DelaunayMesh", "TreeBuilder")
-FEW = "PointSource(registrationName='points', NumberOfPoints=60, Seed=3)"
+FEW = "PointSource(registrationName='points', NumberOfPoints=60, Radius=1.0)"
 STEPS = {  # the sample, and the filters that are applied before the one shown
     "CurveSkeleton": ("tree_of_tubes", ()),
     "DelaunayMesh": ("torus", ()),
@@ -104,6 +104,8 @@ def wait(log: Path) -> None:
             raise TimeoutError(f"ParaView has not played the events in {LONGEST:g} seconds.")
         time.sleep(0.2)
     time.sleep(DRAWING)
+    if b"Success =  true" not in log.read_bytes() or b"Error" in log.read_bytes():
+        raise RuntimeError(f"ParaView says: {log.read_text()}")
 
 
 def screen_of(dump: Path) -> np.ndarray:
