@@ -8,7 +8,9 @@ OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
 SLOW := found_inside or another_detail or read_back or what_was_merged or mesh_and_a_labelled or options_are_passed or \
     other_outputs or points_are_enough or way_back
 
-.PHONY: demo docs test test-oldest fuzz check format format-check lint types bench compare paraview-numba clean
+VERSION = $(shell sed -n 's/^__version__ = "\(.*\)"/\1/p' filters/tetraskel/__init__.py)
+
+.PHONY: demo docs plugin test test-oldest fuzz check format format-check lint types bench compare paraview-numba clean
 
 demo: $(READY)
 	mkdir -p $(OUT)
@@ -79,6 +81,10 @@ $(READY): pyproject.toml
 	if command -v pvpython >/dev/null; then \
 	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --target $@ pytest hypothesis; \
 	fi
+
+# one zip that a user unpacks anywhere and loads in ParaView
+plugin:
+	$(PYTHON) tools/plugin_zip.py dist/tetraskel-paraview-$(VERSION).zip
 
 # numba for a ParaView whose Python has the version of $(PYTHON): beside the plugin, which looks for it there; without
 # dependencies, because ParaView brings its own NumPy (the versions are those for NumPy 1.24 and later)

@@ -311,7 +311,9 @@ for name, (source, chain) in json.load(open("cases.json")).items():
         proxy = globals()[step](Input=proxy, **options)
     fresh = globals()[name]()
     ports = {"Input", "Boundary", "Original"}
-    defaults[name] = {key: str(fresh.GetPropertyValue(key)) for key in fresh.ListProperties() if key not in ports}
+    told = {key for key in fresh.ListProperties() if fresh.GetProperty(key).GetInformationOnly()}
+    taken = [key for key in fresh.ListProperties() if key not in ports | told]
+    defaults[name] = {key: str(fresh.GetPropertyValue(key)) for key in taken}
     if proxy.GetDataInformation().GetDataSetTypeAsString() == "vtkUnstructuredGrid":
         proxy = CellCenters(Input=proxy)
     points = servermanager.Fetch(proxy).GetPoints()

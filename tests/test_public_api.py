@@ -51,7 +51,8 @@ METHODS = {
     "bezier", "branches", "delaunay", "interior", "raster", "remove_flat", "skeleton", "surface", "tree", "voronoi",
 }  # fmt: skip
 COMMANDS = [
-    "tree", "skeleton", "voronoi", "raster", "surface", "bezier", "compare", "measure", "plugin-path",
+    "skeleton", "tree", "voronoi", "raster", "surface", "bezier", "compare", "measure", "view", "plugin-path",
+    "completion",
 ]  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields
 from numbers import Real
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,19 +25,26 @@ def option(
     choices: tuple[str, ...] = (),
     when: tuple[str, str] | None = None,
     flag: str | None = "",
+    slider: tuple[float, float] | None = None,
 ) -> Any:
     """A dataclass field that carries what the faces need to show it.
 
-    `when` names another option and the word of it for which this one matters (a panel hides it otherwise); `flag` is
-    its name on the command line where that is not its own, None where a command asks in another way.
+    `when` names another option and the word of it for which this one matters, or Input and image or points (a panel
+    hides it otherwise); `flag` is its name on the command line where that is not its own, None where a command asks in
+    another way; `slider` spans the usual values where the bounds are much wider.
     """
     metadata = {"doc": doc, "unit": unit, "bounds": bounds, "choices": choices, "when": when, "flag": flag}
-    return field(default=default, metadata=metadata)
+    return field(default=default, metadata={**metadata, "slider": slider or bounds})
 
 
 @dataclass(frozen=True)
 class Options:
-    """Base of the parameter sets; checks every value against its declaration."""
+    """Base of the parameter sets; checks every value against its declaration.
+
+    `groups` are headings with the options a panel shows under them; the others come first.
+    """
+
+    groups: ClassVar[dict[str, tuple[str, ...]]] = {}
 
     def __post_init__(self) -> None:
         for declared in fields(self):
@@ -76,6 +83,8 @@ INSIDES = ("gates", "surface", "outline", "array", "all")
 @dataclass(frozen=True)
 class DelaunayOptions(Options):
     """Parameters of the Delaunay triangulation."""
+
+    groups: ClassVar = {"Changes to the Points": ("joggle", "denoise")}
 
     engine: str = option(
         "auto",
@@ -155,6 +164,7 @@ class InteriorOptions(Options):
         "Where no room is so large and the points lie on a surface, smaller ratios are tried.",
         unit="room radius / door width",
         bounds=(1.0, 100.0),
+        slider=(1.0, 10.0),
         when=("method", "gates"),
     )
     noise: float = option(
@@ -163,6 +173,7 @@ class InteriorOptions(Options):
         "rooms between noisy points are then not taken for objects. 0 switches it off; 2 suits noisy scans.",
         unit="standard deviations",
         bounds=(0.0, 100.0),
+        slider=(0.0, 10.0),
         when=("method", "gates"),
     )
 
@@ -170,6 +181,8 @@ class InteriorOptions(Options):
 @dataclass(frozen=True)
 class InteriorCellsOptions(InteriorOptions):
     """Parameters of inside and outside on a mesh with named arrays."""
+
+    groups: ClassVar = {"Output": ("extract", "gate_arrays")}
 
     label_array: str = option(
         "Inside", "Cell array of the mesh that is not 0 inside, for the method array.", when=("method", "array")
@@ -189,6 +202,8 @@ ROOTS = ("paper", "widest", "point")
 class CurveOptions(Options):
     """Parameters of the curve skeleton."""
 
+    groups: ClassVar = {"Root": ("root", "root_point"), "Medial Sheets": ("sheets", "sheet_angle")}
+
     detail: float = option(
         0.5,
         "How much is drawn, from the main lines (0) through what a person would draw (0.5) to every bump (1). Loops "
@@ -201,6 +216,7 @@ class CurveOptions(Options):
         "samples and are cut.",
         unit="local distance between points",
         bounds=(0.0, 100.0),
+        slider=(0.0, 5.0),
     )
     denoise: bool = option(
         True,
@@ -240,6 +256,8 @@ DIMENSIONS = ("auto", "space", "plane")
 class SurfaceOptions(Options):
     """Parameters of the surface rebuilt from a skeleton."""
 
+    groups: ClassVar = {"Grid": ("spacing", "cells_per_radius", "max_cells")}
+
     spacing: float = option(
         0.0,
         "Side of the cells of the grid on which the surface is found. 0 chooses it from the radii.",
@@ -251,11 +269,15 @@ class SurfaceOptions(Options):
         "How many cells go into a thin part's radius when the spacing is chosen: a tenth of the skeleton's length may "
         "be thinner than that part.",
         bounds=(0.5, 100.0),
+        slider=(1.0, 20.0),
+        when=("spacing", "0"),
     )
     max_cells: int = option(
         1_000_000,
         "About how many cells the surface may pass through when the spacing is chosen; time and memory grow with them.",
         bounds=(1000, 100_000_000),
+        slider=(100_000, 10_000_000),
+        when=("spacing", "0"),
     )
     dimension: str = option(
         "auto",
@@ -275,8 +297,9 @@ class BezierOptions(Options):
         "How far a curve may be from the points of its branch, in place and in radius. It stays inside the balls.",
         unit="local radius",
         bounds=(1e-6, 0.9),
+        slider=(0.01, 0.5),
     )
-    samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000))
+    samples: int = option(8, "Edges of the sampled line for each cubic piece.", bounds=(2, 1000), slider=(2, 50))
     radius_array: str = option("MaximumInscribedSphereRadius", "Point array of the skeleton that holds the radii.")
 
 
@@ -286,6 +309,8 @@ VORONOI_METHODS = ("sk1", "sk2", "sk3", "sk4")
 @dataclass(frozen=True)
 class VoronoiOptions(Options):
     """Parameters of the Voronoi skeletons."""
+
+    groups: ClassVar = {"Leave Out": ("least_separation", "least_angle")}
 
     method: str = option(
         "sk4",
@@ -347,14 +372,20 @@ class RasterOptions(Options):
 class RasterInputOptions(RasterOptions):
     """Parameters of the skeletons of masks, with what the mask is made from."""
 
+    groups: ClassVar = {"Mask": ("mask_array", "resolution")}
+
     mask_array: str = option(
-        "", "Point array of an image that is not 0 inside; without a name the image's active scalars."
+        "",
+        "Point array of an image that is not 0 inside; without a name the image's active scalars.",
+        when=("Input", "image"),
     )
     resolution: int = option(
         128,
         "For points and meshes, which are made into a mask first: grid points along the longest side of the box.",
         unit="grid points",
         bounds=(2, 2048),
+        slider=(16, 512),
+        when=("Input", "points"),
     )
 
 

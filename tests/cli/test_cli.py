@@ -228,7 +228,8 @@ def test_bad_usage_and_bad_input_are_one_line_and_status_two(tmp_path, capsys, m
     assert not list(tmp_path.glob(".tetraskel-*"))
 
 
-def test_plugin_path_names_the_file(capsys):
+def test_plugin_path_names_the_file(capsys, monkeypatch):
+    monkeypatch.setenv("PATH", "")  # without a ParaView that needs a note
     assert run(capsys, "plugin-path") == (0, f"{PLUGIN}\n", "")
     assert run(capsys, "plugin-path", "--shim") == (0, f"{SHIM}\n", "")
 

@@ -352,7 +352,7 @@ BALL = skeleton_surface(([[0, 0, 0]], [], [1.0]))
         (np.zeros((4, 2)), "points with 3 coordinates"),
         (np.zeros((0, 3)), "got 0 and"),
         (np.full((4, 3), np.nan), "NaN"),
-        (np.zeros((4, 3)), "not all in one place"),
+        (np.zeros((4, 3)), "that are apart, got 4 in one place"),
     ],
 )
 def test_what_cannot_be_compared_is_said(points, message):

@@ -5,36 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gui import APPLY, PANEL, PROPERTIES, WINDOW, chain, check, choose_filter, event, menu
 from paths import PLUGIN, SAMPLES
 
 pyvista = pytest.importorskip("pyvista")
-
-WINDOW = "pqClientMainWindow"
-PANEL = f"{WINDOW}/propertiesDock/propertiesPanel"
-MENU = "Skeleton Tree"
-
-
-def event(target, command, arguments=""):
-    return f'<pqevent object="{target}" command="{command}" arguments="{arguments}" />'
-
-
-APPLY = event(f"{PANEL}/Accept", "activate")
-
-
-def choose_filter(name):
-    bar = f"{WINDOW}/menubar"
-    return "\n".join(
-        [
-            event(bar, "activate", "menuFilters"),
-            event(f"{bar}/menuFilters", "activate", MENU),
-            event(f"{bar}/menuFilters/{MENU}", "activate", name),
-        ]
-    )
-
-
-def chain(*names):
-    return "\n".join(f"{choose_filter(name)}\n{APPLY}" for name in names)
-
 
 OPEN = f"""
 cloud = XMLPolyDataReader(registrationName="cloud", FileName={str(SAMPLES / "torus.vtp")!r})
@@ -49,13 +23,6 @@ Render()
 ResetCamera()
 SaveScreenshot("drawn.png", ImageResolution=[800, 600])
 """
-
-
-def check(widget, value, what="text"):
-    return f'<pqcheck object="{widget}" property="{what}" arguments="{value}" />'
-
-
-PROPERTIES = f"{PANEL}/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel"
 
 
 def test_filters_are_in_the_menu_and_the_chain_is_applied(paraview):
@@ -76,15 +43,62 @@ def test_filters_are_in_the_menu_and_the_chain_is_applied(paraview):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_curve_skeleton_is_one_click_and_a_slider(paraview):
-    detail = f"{PROPERTIES}/Detail/DoubleRangeWidget/DoubleLineEdit"
+PLUGINS = f"{WINDOW}/PluginManagerDialog"
+DETAIL = f"{PROPERTIES}/Detail/DoubleRangeWidget"
+
+
+def load(file):
+    """Load a plugin by the dialog for it."""
+    return [
+        menu("menuTools", "actionManage_Plugins"),
+        event(f"{PLUGINS}/splitter/localGroup/loadLocal", "activate"),
+        event(f"{PLUGINS}/pqFileDialog", "filesSelected", str(file)),
+        event(f"{PLUGINS}/buttonBox/1QPushButton0", "activate"),
+    ]
+
+
+def test_from_the_plugin_manager_to_a_state_that_reopens(paraview, tmp_path):
+    """Load, one click, a slider, Apply, what was found, undo, save; another ParaView opens what was saved."""
+    events = [
+        *load(PLUGIN),
+        choose_filter("CurveSkeleton"),
+        check(f"{DETAIL}/DoubleLineEdit", "0.5"),
+        APPLY,
+        check(f"{PROPERTIES}/FoundLoops/FoundLoops", "1"),
+        event(f"{DETAIL}/Slider", "set_int", "90"),
+        APPLY,
+        check(f"{DETAIL}/DoubleLineEdit", "0.9"),
+        event(f"{DETAIL}/DoubleLineEdit", "set_string", "0.2"),
+        APPLY,
+        menu("menu_Edit", "actionEditUndo"),
+        check(f"{DETAIL}/DoubleLineEdit", "0.9"),
+        menu("menu_File", "actionFileSaveServerState"),
+        event(f"{WINDOW}/FileSaveServerStateDialog", "filesSelected", str(tmp_path / "saved.pvsm")),
+    ]
+    done = paraview("\n".join(events), script=OPEN)
+    assert done.returncode == 0, done.stdout + done.stderr
+    reopen = f'LoadState({str(tmp_path / "saved.pvsm")!r})\nSetActiveSource(FindSource("CurveSkeleton1"))'
+    events = [check(f"{DETAIL}/DoubleLineEdit", "0.9"), check(f"{PANEL}/Accept", "false", "enabled")]
+    done = paraview("\n".join(events), script=reopen, PV_PLUGIN_PATH=str(PLUGIN.parent))
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_options_that_do_not_apply_are_hidden(paraview):
     events = [
         choose_filter("CurveSkeleton"),
-        check(detail, "0.5"),
-        APPLY,
-        event(detail, "set_string", "0.9"),
-        APPLY,
-        check(f"{PANEL}/Accept", "false", "enabled"),
+        check(f"{PROPERTIES}/RootPoint", "false", "visible"),
+        event(f"{PROPERTIES}/Root/ComboBox", "activated", "Point"),
+        check(f"{PROPERTIES}/RootPoint", "true", "visible"),
+        check(f"{PROPERTIES}/SheetAngle", "false", "visible"),
+        event(f"{PANEL}/Delete", "activate"),
+        choose_filter("RasterSkeleton"),
+        check(f"{PROPERTIES}/MaskArray", "false", "visible"),
+        check(f"{PROPERTIES}/Resolution", "true", "visible"),
+        event(f"{PANEL}/Delete", "activate"),
+        choose_filter("SkeletonSurface"),
+        check(f"{PROPERTIES}/MaxCells", "true", "visible"),
+        event(f"{PROPERTIES}/Spacing/DoubleLineEdit0", "set_string", "0.1"),
+        check(f"{PROPERTIES}/MaxCells", "false", "visible"),
     ]
     done = paraview("\n".join(events), script=OPEN, PV_PLUGIN_PATH=str(PLUGIN.parent))
     assert done.returncode == 0, done.stdout + done.stderr

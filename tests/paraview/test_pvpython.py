@@ -129,7 +129,8 @@ def test_defaults_are_those_of_the_options(pvpython):
 LoadPlugin(PLUGIN, remote=False, ns=globals())
 for proxy in (CurveSkeleton(), DelaunayMesh(), InteriorCells(), TreeBuilder(), FlatTetraRemoval(), SkeletonOutput(),
               SkeletonSurface(), BezierSkeleton()):
-    for name in sorted(set(proxy.ListProperties()) - {"Input", "Boundary", "Original"}):
+    taken = {name for name in proxy.ListProperties() if not proxy.GetProperty(name).GetInformationOnly()}
+    for name in sorted(taken - {"Input", "Boundary", "Original"}):
         value = proxy.GetPropertyValue(name)
         print(name, str(value).strip("'").lower().replace(" ", ""))
 """

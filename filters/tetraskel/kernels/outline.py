@@ -90,7 +90,9 @@ def checked_outline(mesh: Triangulation, points: ArrayLike, segments: ArrayLike)
     if edges.ndim != 2 or edges.shape[1] != 2 or len(edges) == 0 or edges.dtype.kind not in "iu":
         raise InputError(f"expected segments as an array of point ids of shape (s, 2), got shape {edges.shape}.")
     if not np.isfinite(corners).all() or not 0 <= edges.min() <= edges.max() < len(corners):
-        raise InputError(f"expected finite points and segment ids from 0 to {len(corners) - 1}.")
+        raise InputError(
+            f"expected finite points and segment ids from 0 to {len(corners) - 1}, got NaN, infinity or other ids."
+        )
     expect_extent(mesh.points)
     expect_extent(corners)
     used, edges = np.unique(edges, return_inverse=True)

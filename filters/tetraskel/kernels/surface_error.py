@@ -58,7 +58,7 @@ def surface_error(
     expect_extent(places)
     diagonal = float(np.sqrt((np.ptp(places, axis=0) ** 2).sum()))
     if diagonal == 0:
-        raise InputError("expected points to compare with that are not all in one place.")
+        raise InputError(f"expected points to compare with that are apart, got {len(places)} in one place.")
     mine = _triangles(rebuilt.points, rebuilt.simplices)
     if triangles is None:
         return _numbers("Error", distances(mine, _in_space(places), tick), diagonal)

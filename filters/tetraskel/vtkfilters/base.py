@@ -9,11 +9,16 @@ from numbers import Integral, Real
 
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkOutputWindow
-from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkDemandDrivenPipeline
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject
+from vtkmodules.vtkCommonExecutionModel import (
+    vtkAlgorithm,
+    vtkDemandDrivenPipeline,
+    vtkStreamingDemandDrivenPipeline,
+)
 
 from tetraskel.errors import Aborted, InputError
 from tetraskel.options import Options, check_value
+from tetraskel.vtkfilters.found import count_blocks, facts_of, gathered, whole_input
 
 PROGRESS_SECONDS = 0.1
 _OWN_ATTRIBUTES = ("InputType", "OutputType")  # set by VTKPythonAlgorithmBase
@@ -44,17 +49,24 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
     second_input = ()  # name, port, data type and meaning of an optional second input
     n_outputs = 1
     output_names = ()  # of several outputs, as a panel shows them
+    drawn_as = ()  # a word for each output, see `paraview_display.LOOKS`
+    tells = {}  # noqa: RUF012  (read only: what it says of its result, with the meaning, see `found.facts_of`)
 
     def __init_subclass__(cls, **keywords):
         super().__init_subclass__(**keywords)
         for declared in fields(cls.options):
             _declare(cls, declared)
+        for fact in cls.tells:
+            _declare_fact(cls, fact)
         cls.__signature__ = _signature(cls.options)
 
     def __init__(self, **values):
         self._values = {declared.name: declared.default for declared in fields(self.options)}
         self._shown = 0.0
         self._last_error = None
+        self._found = []  # facts of each block
+        self._said = set()  # errors, each printed once for all blocks
+        self._blocks_left, self._is_first = 0, False
         super().__init__(
             nInputPorts=2 if self.second_input else 1,
             inputType=self.input_type,
@@ -77,6 +89,10 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         """What went wrong in the last execution, or None."""
         return self._last_error
 
+    def found(self, fact):
+        """A fact of `tells` about the last result, as text; of several blocks the sum, or what all of them say."""
+        return gathered(self._found, fact)
+
     def execute(self, inputs, outputs):
         """Fill the output data objects from the input data objects."""
         raise NotImplementedError
@@ -95,6 +111,7 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         inputs = [self._connected(vector) for vector in inInfo]
         outputs = [vtkDataObject.GetData(outInfo, port) for port in range(self.n_outputs)]
         self.execute(inputs, outputs)
+        self._found.append(facts_of(outputs[0]))
         return 1
 
     @staticmethod
@@ -106,11 +123,13 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         self._listen_to_vtk()
         try:
             if request.Has(vtkDemandDrivenPipeline.REQUEST_DATA()):
-                self._last_error = None
+                self._begin_block()
                 self.options(**self._values)  # the setters ParaView calls do not raise; here the error has one line
+            else:
+                self._look_ahead(request)
             return super().ProcessRequest(request, inInfo, outInfo)
         except (Exception, KeyboardInterrupt) as error:  # VTK would lose an interrupt; run() raises it again
-            self._last_error = error
+            self._last_error = self._last_error or error
             self._empty_outputs(outInfo)
             if isinstance(error, (Aborted, KeyboardInterrupt)):
                 return 1
@@ -127,13 +146,30 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
             if not speaker.HasObserver("ErrorEvent"):
                 speaker.AddObserver("ErrorEvent", _heard)
 
+    def _look_ahead(self, request):
+        """Before an execution VTK asks with the whole input; for each block of a composite it then asks again."""
+        whole = whole_input(self)
+        if isinstance(whole, vtkCompositeDataSet):
+            self._blocks_left, self._is_first = count_blocks(whole), True
+        elif request.Has(vtkStreamingDemandDrivenPipeline.REQUEST_UPDATE_TIME()):  # not asked for a block
+            self._blocks_left = 0
+
+    def _begin_block(self):
+        """Forget what was said of the last input, unless this is the next block of the same one."""
+        if self._is_first or self._blocks_left == 0:
+            self._last_error, self._found, self._said = None, [], set()
+        self._is_first = False
+        self._blocks_left = max(self._blocks_left - 1, 0)
+
     def _vtk_complained(self):
         if self._last_error is None:
             self._last_error = InputError(f"expected an input of type {self.input_type}, got another type or none.")
             self._print_error(self._last_error)
 
     def _print_error(self, error):
-        vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+        if str(error) not in self._said:
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"{type(self).__name__}: {error}\n")
+        self._said.add(str(error))
 
     def warn(self, message):
         """Print one line of warning."""
@@ -230,6 +266,16 @@ def _declare(cls, declared):
     setattr(cls, f"Set{camel_case(name)}", set_value)
     setattr(cls, f"Get{camel_case(name)}", get_value)
     setattr(cls, name, property(get_value, set_checked, doc=declared.metadata["doc"]))
+
+
+def _declare_fact(cls, fact):
+    """Give a filter class the getter of one fact."""
+
+    def get_fact(self):
+        return self.found(fact)
+
+    get_fact.__doc__ = cls.tells[fact]
+    setattr(cls, f"GetFound{fact}", get_fact)
 
 
 def _converted(value, declared):

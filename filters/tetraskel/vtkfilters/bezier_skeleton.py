@@ -28,6 +28,13 @@ class BezierSkeleton(SkeletonFilter):
     input_type = "vtkPolyData"
     n_outputs = 2
     output_names = ("Curves", "Pieces")
+    drawn_as = ("lines", "hidden")
+    tells = {  # noqa: RUF012
+        "Components": "Connected pieces of the skeleton.",
+        "Loops": "Loops of the skeleton.",
+        "Lines": "Branches, each a smooth curve.",
+        "Pieces": "Cubic Bezier pieces of all curves.",
+    }
 
     def FillOutputPortInformation(self, port, info):
         """Called by VTK: lines, then cells."""

@@ -90,6 +90,15 @@ def fact(data, name: str, default: str) -> str:
     return words.GetValue(0) if isinstance(words, vtkStringArray) and words.GetNumberOfValues() else default
 
 
+def pass_facts(source, target) -> None:
+    """Carry the field data that the target does not say itself."""
+    own, attributes = target.GetFieldData(), source.GetFieldData()
+    for k in range(attributes.GetNumberOfArrays()):
+        array = attributes.GetAbstractArray(k)
+        if array is not None and not (array.GetName() and own.HasArray(array.GetName())):
+            own.AddArray(array)
+
+
 def single_facts(data) -> dict[str, int | float | str]:
     """The single finite numbers and words of the field data, by name."""
     found, attributes = {}, data.GetFieldData()

@@ -39,6 +39,18 @@ class CurveSkeleton(SkeletonFilter):
     input_doc = "Points on the surface of an object, or a mesh with a cell array Inside."
     n_outputs = 3
     output_names = ("Skeleton", "Points", "Sheets")
+    drawn_as = ("lines", "cloud", "surface")
+    tells = {  # noqa: RUF012
+        "Components": "Connected pieces of the skeleton.",
+        "Loops": "Loops of the skeleton, those of the object.",
+        "LoopsRefused": "Loops that were cut, because their narrowest passage is a gap between samples.",
+        "Cavities": "Hollow spaces closed all around, which no curve can show.",
+        "Lines": "Branches, each a polyline.",
+        "Points": "Points of the skeleton.",
+        "Engine": "Who computed the triangulation.",
+        "DuplicatesMerged": "Points for which another one stands, because they are equal or closer than the noise.",
+        "Noise": "What was taken out of the points, in their unit.",
+    }
 
     def __init__(self, **values):
         self._model: CurveModel | None = None

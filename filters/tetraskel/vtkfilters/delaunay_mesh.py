@@ -19,6 +19,14 @@ class DelaunayMesh(SkeletonFilter):
     options = DelaunayOptions
     input_doc = "The points; cells are ignored."
     output_type = "vtkUnstructuredGrid"
+    drawn_as = ("mesh",)
+    tells = {  # noqa: RUF012
+        "Engine": "Who computed the triangulation.",
+        "InputPoints": "Points that came in.",
+        "DuplicatesMerged": "Points for which another one stands, because they are equal or closer than the noise.",
+        "Cells": "Tetrahedra, or triangles of a plane.",
+        "Noise": "What was taken out of the points, in their unit.",
+    }
 
     def execute(self, inputs, outputs):
         """Triangulate the points of the input."""

@@ -25,6 +25,12 @@ class FlatTetraRemoval(SkeletonFilter):
     options = FlatOptions
     input_doc = "A tree from TreeBuilder, or a mesh of tetrahedra or triangles."
     output_type = "vtkPointSet"
+    drawn_as = ("thin lines",)
+    tells = {  # noqa: RUF012
+        "FlatRemoved": "Flat simplices that were removed.",
+        "Points": "Nodes that are left of a tree, or points of a mesh.",
+        "Cells": "Cells that are left of a mesh.",
+    }
 
     def RequestDataObject(self, request, inInfo, outInfo):  # noqa: N803
         """Called by VTK: polygonal data stay such, all else is an unstructured grid."""

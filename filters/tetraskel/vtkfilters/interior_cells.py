@@ -5,38 +5,55 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkDataObject
 
 from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.mesh import submesh
+from tetraskel.kernels.object_boundary import boundary_of
 from tetraskel.kernels.outline import inside_by_outline
 from tetraskel.options import InteriorCellsOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
 from tetraskel.vtkfilters.convert import (
     add_arrays,
+    add_facts,
     array_of,
     copy_rows,
     fill_grid,
     mesh_of,
+    pass_facts,
     points_of,
     segments_of,
     surface_of_data,
 )
+from tetraskel.vtkfilters.drawn_data import data_of_boundary
 
 
 class InteriorCells(SkeletonFilter):
     """A mesh with a cell array Inside, 1 where a cell lies inside the object, or only these cells.
 
-    The object is known by the mesh's points alone (method gates), by a closed surface or an outline at the second
-    input, or by a cell array. An outline splits cells, so that it becomes a union of their edges; all other methods
-    leave the mesh as it is.
+    The second output is the object's boundary: the facets between inside and outside. The object is known by the
+    mesh's points alone (method gates), by a closed surface or an outline at the second input, or by a cell array. An
+    outline splits cells, so that it becomes a union of their edges; all other methods leave the mesh as it is.
     """
 
     options = InteriorCellsOptions
     input_doc = "A Delaunay mesh of tetrahedra, or of triangles of one plane."
     second_input = ("Boundary", 1, "vtkPolyData", "A closed surface, or closed lines, for the methods of these names.")
     output_type = "vtkUnstructuredGrid"
+    n_outputs = 2
+    output_names = ("Cells", "Boundary")
+    drawn_as = ("hidden", "surface")
+    tells = {  # noqa: RUF012
+        "InsideCells": "Cells inside the object.",
+        "Cells": "Cells of the output.",
+    }
+
+    def FillOutputPortInformation(self, port, info):
+        """Called by VTK: a mesh, and its boundary."""
+        info.Set(vtkDataObject.DATA_TYPE_NAME(), ("vtkUnstructuredGrid", "vtkPolyData")[port])
+        return 1
 
     def execute(self, inputs, outputs):
         """Classify the cells."""
@@ -48,7 +65,9 @@ class InteriorCells(SkeletonFilter):
         else:
             inside = self._classify(source, mesh, inputs[1])
             self._write(source, output, mesh, inside)
-        output.GetFieldData().PassData(source.GetFieldData())
+        pass_facts(source, output)
+        add_facts(output, {"InsideCells": int(np.count_nonzero(inside))})
+        outputs[1].ShallowCopy(data_of_boundary(boundary_of(mesh, inside), mesh.points))
 
     def _classify(self, source, mesh, boundary):
         """(m,) inside, for the methods that leave the mesh as it is; warnings are printed in one line."""
@@ -87,7 +106,7 @@ class InteriorCells(SkeletonFilter):
         fill_grid(output, submesh(mesh, kept))
         output.GetPointData().PassData(source.GetPointData())
         copy_rows(source.GetCellData(), output.GetCellData(), np.flatnonzero(kept), ("Inside",))
-        add_arrays(output.GetCellData(), {"Inside": inside[kept]})
+        self._mark(output, inside[kept])
         if self.gate_arrays and self.method == "gates":
             found = gate_arrays(gate_tree(mesh), mesh.neighbors)
             named = {"GateWidth": found.width, "RoomRadius": found.room_radius, "GateParent": found.parent}
@@ -96,5 +115,10 @@ class InteriorCells(SkeletonFilter):
     def _write_new_mesh(self, source, output, mesh, inside):
         kept = inside if self.extract else np.ones(len(mesh), bool)
         fill_grid(output, submesh(mesh, kept))
-        add_arrays(output.GetCellData(), {"Inside": inside[kept]})
+        self._mark(output, inside[kept])
         add_arrays(output.GetPointData(), {"OriginalPointIds": mesh.original_ids})
+
+    @staticmethod
+    def _mark(output, inside):
+        add_arrays(output.GetCellData(), {"Inside": inside})
+        output.GetCellData().SetActiveScalars("Inside")

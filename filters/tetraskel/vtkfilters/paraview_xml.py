@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields
 from xml.sax.saxutils import escape, quoteattr
 
 from tetraskel.vtkfilters.base import camel_case
+from tetraskel.vtkfilters.paraview_display import display_hints
 
+ONLY_FOR = {  # kinds of input that `when` names
+    "image": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData"',
+    "points": 'type="InputDataTypeDecorator" mode="visibility" name="vtkImageData" exclude="1"',
+}
+ALSO_OPTIONS = ("Engine", "Spacing")  # facts with the name of an option, from which scripts must tell them
 MENU = '<ShowInMenu category="Skeleton Tree"/>'
 
 
@@ -16,8 +23,16 @@ def panel_xml(cls) -> str:
     first = _input("Input", 0, cls.input_type, cls.input_doc, "")
     second = _input(*cls.second_input, hints="<Hints><Optional/></Hints>") if cls.second_input else ""
     properties = "\n".join(_property(declared, cls.options) for declared in fields(cls.options))
+    found = "\n".join(_fact(name, doc) for name, doc in cls.tells.items())
+    groups = "".join(_group(title, map(camel_case, names)) for title, names in cls.options.groups.items())
+    groups += _group("Found", [f"Found{name}" for name in cls.tells])
     ports = "".join(f'<OutputPort name="{name}" index="{k}"/>' for k, name in enumerate(cls.output_names))
-    return "\n".join([_documentation(cls), first, second, properties, ports])
+    return "\n".join([_documentation(cls), first, second, properties, found, groups, ports])
+
+
+def hints_xml(cls) -> str:
+    """Where a filter is in the menu, and how its outputs are drawn, for `smhint.xml`."""
+    return MENU + display_hints(cls)
 
 
 def label(name: str) -> str:
@@ -49,6 +64,19 @@ def _property(declared, options) -> str:
     return f"<{kind} {common}>{_domain(declared)}{documentation}{_shown_when(declared, options)}</{kind}>"
 
 
+def _fact(name: str, doc: str) -> str:
+    """A read-only field."""
+    shown = label(name) + (" Used" if name in ALSO_OPTIONS else "")
+    common = f'name="Found{name}" label="{shown}" command="GetFound{name}" number_of_elements="1"'
+    kind = 'information_only="1" panel_visibility="default"'
+    return f"<StringVectorProperty {common} {kind}><Documentation>{escape(doc)}</Documentation></StringVectorProperty>"
+
+
+def _group(title: str, names: Iterable[str]) -> str:
+    members = "".join(f'<Property name="{name}"/>' for name in names)
+    return f'<PropertyGroup label="{title}">{members}</PropertyGroup>' if members else ""
+
+
 def _kind(declared) -> str:
     if declared.metadata["choices"] or isinstance(declared.default, int):
         return "IntVectorProperty"
@@ -60,6 +88,8 @@ def _shown_when(declared, options) -> str:
     if not declared.metadata["when"]:
         return ""
     name, word = declared.metadata["when"]
+    if name == "Input":
+        return f"<Hints><PropertyWidgetDecorator {ONLY_FOR[word]}/></Hints>"
     (other,) = (field for field in fields(options) if field.name == name)
     value = other.metadata["choices"].index(word) if other.metadata["choices"] else word
     decorator = f'type="GenericDecorator" mode="visibility" property="{camel_case(name)}" value="{value}"'
@@ -86,6 +116,6 @@ def _domain(declared) -> str:
     if metadata["bounds"] is None:
         return ""
     kind = "DoubleRangeDomain" if isinstance(declared.default, float) else "IntRangeDomain"
-    low, high = metadata["bounds"]
+    low, high = metadata["slider"]
     upper = f' max="{high}"' if math.isfinite(high) else ""
     return f'<{kind} name="range" min="{low}"{upper}/>'

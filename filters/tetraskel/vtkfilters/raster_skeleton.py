@@ -11,7 +11,7 @@ from tetraskel.kernels.raster_mask import Mask, rasterise
 from tetraskel.kernels.raster_skeleton import raster_skeleton
 from tetraskel.options import RasterInputOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, to_cells, to_points
+from tetraskel.vtkfilters.convert import add_arrays, add_facts, pass_facts, to_cells, to_points
 from tetraskel.vtkfilters.object_input import mesh_and_inside
 
 
@@ -26,6 +26,12 @@ class RasterSkeleton(SkeletonFilter):
 
     options = RasterInputOptions
     input_type = "vtkDataSet"
+    drawn_as = ("thin lines",)
+    tells = {  # noqa: RUF012
+        "Points": "Grid points of the skeleton.",
+        "Lines": "Pairs of neighbours among them.",
+        "Grid": "Grid points of the mask along each axis.",
+    }
     input_doc = "An image that is not 0 inside, points on the surface of an object, or a mesh with a cell array Inside."
 
     def execute(self, inputs, outputs):
@@ -40,7 +46,7 @@ class RasterSkeleton(SkeletonFilter):
             tick=self.tick("Drawing the skeleton of the mask", 0.5, 1.0),
         )
         self._fill(output, skeleton, flat_axis(skeleton.points))
-        output.GetFieldData().PassData(source.GetFieldData())
+        pass_facts(source, output)
 
     def _mask(self, source):
         """How points of the mask become points of space, and the mask."""
@@ -85,3 +91,4 @@ class RasterSkeleton(SkeletonFilter):
         output.GetPointData().SetActiveScalars("MaximumInscribedSphereRadius")
         grid = {"GridDimensions": np.array(skeleton.shape, np.int32), "GridSpacing": skeleton.spacing}
         add_arrays(output.GetFieldData(), {**grid, "GridOrigin": skeleton.origin})
+        add_facts(output, {"Grid": " x ".join(map(str, skeleton.shape))})

@@ -21,6 +21,12 @@ class SkeletonOutput(SkeletonFilter):
     options = SkeletonOptions
     input_doc = "A tree from TreeBuilder or FlatTetraRemoval."
     input_type = "vtkPolyData"
+    drawn_as = ("lines",)
+    tells = {  # noqa: RUF012
+        "Points": "Nodes that are drawn.",
+        "Lines": "Branches, each a polyline.",
+        "FlatRemoved": "Flat simplices that were removed before.",
+    }
 
     def execute(self, inputs, outputs):
         """Leave out the leaves and join the rest into branches."""
@@ -33,6 +39,7 @@ class SkeletonOutput(SkeletonFilter):
         if len(alone):
             output.SetVerts(to_cells(alone[:, None]))
         copy_node_arrays(source, output, skeleton.node)
+        output.GetPointData().SetActiveScalars("Depth")
         arrays = {
             "NodeDegree": skeleton.degree.astype(np.int32),
             "NodeType": skeleton.node_type.astype(np.uint8),

@@ -31,6 +31,14 @@ class SkeletonSurface(SkeletonFilter):
     options = SurfaceOptions
     input_doc = "A skeleton: lines with a point array of radii; faces count by their sides, points alone are balls."
     input_type = "vtkPolyData"
+    drawn_as = ("surface",)
+    tells = {  # noqa: RUF012
+        "Polygons": "Triangles of the surface or of the region.",
+        "Spacing": "Side of the cells it was found on.",
+        "Thickened": "Balls thinner than these cells can show, which were drawn thicker.",
+        "ErrorMean": "Mean distance from the original to the rebuilt surface, in percent of the diagonal.",
+        "ErrorMax": "Largest distance from the original to the rebuilt surface, in percent of the diagonal.",
+    }
     second_input = ("Original", 1, "vtkPointSet", "The points or the surface the skeleton was made from, to compare.")
 
     def execute(self, inputs, outputs):

@@ -9,7 +9,7 @@ from tetraskel.kernels.quality import qualities
 from tetraskel.kernels.tree import build_tree
 from tetraskel.options import TreeOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, mesh_of
+from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, mesh_of, pass_facts
 from tetraskel.vtkfilters.treedata import fill_tree
 
 
@@ -23,6 +23,12 @@ class TreeBuilder(SkeletonFilter):
 
     options = TreeOptions
     input_doc = "A mesh of tetrahedra only, or of triangles of one plane only."
+    drawn_as = ("thin lines",)
+    tells = {  # noqa: RUF012
+        "Points": "Nodes of the tree, one for each cell.",
+        "Trees": "Trees, one for each piece of the mesh.",
+        "Leaves": "Nodes without sons.",
+    }
 
     def execute(self, inputs, outputs):
         """Build the tree and describe its nodes."""
@@ -33,7 +39,7 @@ class TreeBuilder(SkeletonFilter):
         fill_tree(output, positions[tree.cell], tree.forest, tree.traversal)
         copy_rows(source.GetCellData(), output.GetPointData(), tree.cell, tuple(_own_arrays(output)))
         add_arrays(output.GetPointData(), self._node_arrays(tree))
-        output.GetFieldData().PassData(source.GetFieldData())
+        pass_facts(source, output)
         original = array_of(source.GetPointData(), "OriginalPointIds")
         if original is not None:
             add_arrays(output.GetFieldData(), {"OriginalPointIds": original})

@@ -7,7 +7,16 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.forest import Forest, complete_forest
-from tetraskel.vtkfilters.convert import add_arrays, add_facts, array_of, copy_rows, fact, to_cells, to_points
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    copy_rows,
+    fact,
+    pass_facts,
+    to_cells,
+    to_points,
+)
 
 NEEDED = ("NodeId", "ParentId", "Depth", "TreeId")
 
@@ -35,7 +44,9 @@ def fill_tree(output: vtkPolyData, positions: np.ndarray, forest: Forest, traver
     if len(alone):
         output.SetVerts(to_cells(alone[:, None]))
     add_arrays(output.GetPointData(), forest_arrays(forest))
-    add_facts(output, {"Traversal": traversal})
+    output.GetPointData().SetActiveScalars("Depth")
+    counts = {"Trees": int((forest.parent < 0).sum()), "Leaves": int(forest.is_leaf.sum())}
+    add_facts(output, {"Traversal": traversal, **counts})
 
 
 def forest_of(data: vtkPolyData) -> tuple[Forest, str]:
@@ -78,4 +89,4 @@ def _check_forest(node: np.ndarray, parent: np.ndarray, depth: np.ndarray, tree:
 def copy_node_arrays(source: vtkPolyData, output: vtkPolyData, rows: np.ndarray, skip: tuple[str, ...] = ()) -> None:
     """Carry the node arrays that `output` does not have yet, and the field data."""
     copy_rows(source.GetPointData(), output.GetPointData(), rows, skip)
-    output.GetFieldData().PassData(source.GetFieldData())
+    pass_facts(source, output)

@@ -22,6 +22,14 @@ class VoronoiSkeleton(SkeletonFilter):
 
     options = VoronoiOptions
     input_doc = "Points on the surface of an object, or a mesh with a cell array Inside."
+    drawn_as = ("thin lines",)
+    tells = {  # noqa: RUF012
+        "Points": "Points of the skeleton, Voronoi vertices or places where elements are cut.",
+        "Lines": "Edges that are drawn.",
+        "Polygons": "Faces that are drawn.",
+        "Engine": "Who computed the triangulation.",
+        "DuplicatesMerged": "Points for which another one stands, because they are equal or closer than the noise.",
+    }
 
     def execute(self, inputs, outputs):
         """Draw the skeleton."""
