@@ -29,12 +29,9 @@ class Block:
     ----------
     points : (n, d) float
         Coordinates.
-    row : (n,) int
-        Row of each in the serial mesh: its place among the distinct points of all ranks by input id.
-    original : (n,) int
-        Input id; of equal points the smallest.
-    home : (n, 2) int
-        Rank that brought the point, and its index there.
+    names : (n, 4) int
+        Of each point its row in the serial mesh (its place among the distinct points of all ranks by input id), its
+        input id (of equal points the smallest), the rank that brought it, and its index there.
     codes : (n,) uint64
         Morton code of each, over a cube around the points of all ranks.
     extent : float
@@ -46,9 +43,7 @@ class Block:
     """
 
     points: Floats
-    row: Ints
-    original: Ints
-    home: Ints
+    names: Ints
     codes: NDArray[np.uint64]
     extent: float
     first: int
@@ -79,8 +74,8 @@ def deal_by_place(comm: Communicator, points: Floats, ids: Ints) -> Block:
     mine = _distinct(points, ids, home, morton_codes(points, low, extent))
     route = Route(comm, np.searchsorted(_cuts(comm, mine[3]), mine[3], side="right"))
     points, ids, home, codes = _distinct(*[route.forward(column) for column in mine])
-    row = places_of(comm, ids)
-    return Block(points, row, ids, home, codes, extent, comm.before(len(ids)), comm.total(len(ids)))
+    names = np.column_stack([places_of(comm, ids), ids, home])
+    return Block(points, names, codes, extent, comm.before(len(ids)), comm.total(len(ids)))
 
 
 Columns = tuple[Floats, Ints, Ints, NDArray[np.uint64]]

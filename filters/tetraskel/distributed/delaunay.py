@@ -149,7 +149,7 @@ class _Surroundings:
         return cls(comm, block, known, foreign, labels, own, starts, float(largest[0]))
 
     def answers(self, corners: Floats, slots: NDArray[np.int8]) -> tuple[Floats, Ints, Ints]:
-        """Points of other ranks that forbid cells with these (q, 4, 3) corners: coordinates, places and rows."""
+        """Points of other ranks that forbid cells with these (q, 4, 3) corners: coordinates, places and names."""
         flat = np.ascontiguousarray(corners).reshape(len(corners), 12)
         found = np.zeros((len(slots), self.comm.size), bool)
         conflicts.labels_in_conflict(self._scaled(flat).ravel(), slots, self._scaled(self.foreign).ravel(), self.labels, found, *conflicts.scratch())

@@ -31,21 +31,26 @@ class Known:
     points : (n, 3) float
     place : (n,) int
         Place of each along the whole curve, increasing.
-    row : (n,) int
-        Its row in the serial mesh.
+    names : (n, 4) int
+        See `Block.names`.
     own : (n,) bool
         Whether it belongs to this rank's block.
     """
 
     points: Floats
     place: Ints
-    row: Ints
+    names: Ints
     own: Bools
 
     def __len__(self) -> int:
         return len(self.place)
 
-    def with_others(self, points: Floats, place: Ints, row: Ints) -> Known:
+    @property
+    def row(self) -> Ints:
+        """(n,) row of each point in the serial mesh."""
+        return np.asarray(self.names[:, 0])
+
+    def with_others(self, points: Floats, place: Ints, names: Ints) -> Known:
         """The same and points of other ranks; some may be known already."""
         new = np.flatnonzero(~np.isin(place, self.place))
         new = new[np.unique(place[new], return_index=True)[1]]
@@ -54,7 +59,7 @@ class Known:
             self,
             points=np.concatenate([self.points, points[new]])[order],
             place=np.concatenate([self.place, place[new]])[order],
-            row=np.concatenate([self.row, row[new]])[order],
+            names=np.concatenate([self.names, names[new]])[order],
             own=np.concatenate([self.own, np.zeros(len(new), bool)])[order],
         )
 
@@ -69,7 +74,7 @@ def known_at_first(comm: Communicator, block: Block, boxes: list[Floats], widths
     widths : for each rank (k,)
         How far around each box points are taken to be neighbours. A guess: what is missing is asked for later.
     """
-    known = Known(block.points, block.place, block.row, np.ones(len(block), bool))
+    known = Known(block.points, block.place, block.names, np.ones(len(block), bool))
     wanted = []
     for rank in range(comm.size):
         near = np.zeros(len(block), bool)
@@ -86,13 +91,13 @@ def known_at_first(comm: Communicator, block: Block, boxes: list[Floats], widths
 
 
 def told(comm: Communicator, block: Block, rows: list[Ints]) -> tuple[Floats, Ints, Ints]:
-    """Send the block's `rows[k]` to rank k: coordinates, places and rows of what was sent here."""
+    """Send the block's `rows[k]` to rank k: coordinates, places and names of what was sent here."""
     route = Route(comm, np.repeat(np.arange(comm.size), [len(wanted) for wanted in rows]))
     chosen = np.concatenate(rows).astype(np.int64)
     return (
         route.forward(block.points[chosen]),
         route.forward(block.place[chosen]),
-        route.forward(block.row[chosen]),
+        route.forward(block.names[chosen]),
     )
 
 

@@ -135,5 +135,6 @@ def _lengths_of_branches(comm: Communicator, branch_id: Ints, own: Floats, n_bra
     route = Route(comm, branch_id * comm.size // max(n_branches, 1))
     branches = route.forward(branch_id)
     names, number = np.unique(branches, return_inverse=True)
-    sums = np.bincount(number.reshape(-1), weights=route.forward(own), minlength=len(names))
+    sums = np.zeros(len(names))
+    np.add.at(sums, number.reshape(-1), route.forward(own))
     return route.back(sums[number.reshape(-1)])
