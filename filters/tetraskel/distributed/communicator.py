@@ -39,6 +39,7 @@ class Communicator(ABC):
     def __init__(self) -> None:
         self.sent_bytes = 0
         self.exchanges = 0
+        self.failure: Exception | None = None  # of any rank: after it nobody listens any more
 
     @abstractmethod
     def all_well(self, well: bool) -> bool:
@@ -60,21 +61,20 @@ class Communicator(ABC):
         RankError
             When another rank failed: with what it says.
         """
+        if self.failure is not None:
+            raise self.failure
         if not self.all_well(True):
-            self._raise_failures(self.share(np.empty(0, np.uint8)))
+            self.failure = _failure_told(self.share(np.empty(0, np.uint8)))
+            raise self.failure
 
     def fail(self, error: BaseException) -> None:
         """Tell the others, in whatever collective they are, why this rank cannot go on."""
+        if self.failure is not None:
+            return
+        self.failure = RankError("this rank has failed before.")
         self.all_well(False)
         text = ("A" if isinstance(error, Aborted) else "E") + (first_line(error) if str(error) else repr(error))
         self.share(np.frombuffer(text.encode(), np.uint8))
-
-    @staticmethod
-    def _raise_failures(messages: Sequence[Bytes]) -> None:
-        texts = {rank: bytes(message).decode() for rank, message in enumerate(messages) if len(message)}
-        rank, text = next(iter(texts.items()))
-        kind = Aborted if text[0] == "A" else RankError
-        raise kind(f"rank {rank}: {text[1:]}")
 
     def alltoall(self, parts: Sequence[Array]) -> list[Array]:
         """Send array k to rank k; the arrays sent here. All have one type and one shape but for their length."""
@@ -132,12 +132,8 @@ def together(comm: Communicator, work: Callable[[], T]) -> T:
     """
     try:
         result = work()
-    except RankError:
-        raise
     except BaseException as error:
-        if not getattr(error, "told", False):
-            error.told = True  # type: ignore[attr-defined]
-            comm.fail(error)
+        comm.fail(error)
         raise
     comm.agree()
     return result
@@ -178,6 +174,14 @@ class Route:
         found = np.empty_like(received)
         found[self.order] = received
         return found
+
+
+def _failure_told(messages: Sequence[Bytes]) -> Exception:
+    """What the first rank that failed says."""
+    texts = {rank: bytes(message).decode() for rank, message in enumerate(messages) if len(message)}
+    rank, text = next(iter(texts.items()))
+    kind = Aborted if text[0] == "A" else RankError
+    return kind(f"rank {rank}: {text[1:]}")
 
 
 def _as_bytes(part: Array) -> Bytes:

@@ -184,14 +184,14 @@ def _marshalled(data) -> np.ndarray:
     if plain.GetCellData().HasArray(GHOSTS):
         plain.RemoveGhostCells()
     text = vtkCharArray()
-    vtkCommunicator().MarshalDataObject(plain, text)
+    vtkCommunicator.MarshalDataObject(plain, text)
     return vtk_to_numpy(text).view(np.uint8).copy()
 
 
 def _unmarshalled(message: np.ndarray):
     text = vtkCharArray()
     text.DeepCopy(numpy_to_vtk(message.view(np.int8), deep=1))
-    return vtkCommunicator().UnMarshalDataObject(text)
+    return vtkCommunicator.UnMarshalDataObject(text)
 
 
 def _appended(parts):
