@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ def assert_skeleton(drawn, lines, skeleton):
             line.offsets[:-1], line.offsets[1:], line.branch_id, line.lengths, strict=True
         ):
             path = ids[line.nodes[start:stop]]
-            edges += [(above, below, branch) for above, below in zip(path[:-1], path[1:], strict=True)]
+            edges += [(above, below, branch) for above, below in pairwise(path)]
             lengths[branch] = length
     sons = np.flatnonzero(skeleton.parent >= 0)
     assert sorted(edges) == sorted(zip(skeleton.parent[sons], sons, skeleton.branch_id[sons], strict=True))

@@ -129,7 +129,9 @@ def assert_is_serial(folder, points, engine, fetched=False):
     keys_of = {"mesh": "OriginalPointIds", "tree": "NodeId", "kept": "NodeId", "skeleton": "NodeId"}
     for stage, key in keys_of.items():
         marks[stage] = [_own(part, stage) for part in parts]
-        keys = np.concatenate([part[f"{stage}_{key}"][own] for part, own in zip(parts, marks[stage]) if len(own)])
+        keys = np.concatenate(
+            [part[f"{stage}_{key}"][own] for part, own in zip(parts, marks[stage], strict=True) if len(own)]
+        )
         order[stage] = np.argsort(keys)
         assert len(np.unique(keys)) == len(keys)
     if fetched:
@@ -190,15 +192,20 @@ def test_a_client_of_pvserver(exact, cloud, tmp_path):
 def test_qhull_and_the_curve_skeleton_are_for_one_rank(tmp_path):
     cloud = np.asarray(pyvista.read(SAMPLES / "bent_tube.vtp").points, float)
     write_pieces(tmp_path, cloud)
-    script = CHAIN + """
+    script = (
+        CHAIN
+        + """
 curve = CurveSkeleton(Input=mesh)
 curve.UpdatePipeline()
 print(rank, "curve", curve.GetClientSideObject().GetOutputDataObject(0).GetNumberOfPoints())
 """
+    )
     done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
     assert done.returncode == 0, done.stderr
     n = len(cloud) + len(cloud[::50])  # some are in both pieces
-    assert f"DelaunayMesh: all {n} points are gathered to the first rank: only the exact engine gives one" in done.stderr
+    assert (
+        f"DelaunayMesh: all {n} points are gathered to the first rank: only the exact engine gives one" in done.stderr
+    )
     assert_is_serial(tmp_path, cloud, "qhull")
     counts = dict(re.findall(r"(\d) curve (\d+)", done.stdout))
     assert counts == {"0": str(len(curve_skeleton(triangulate(cloud, engine="qhull")))), "1": "0"}
@@ -210,10 +217,13 @@ def test_what_one_rank_cannot_use_fails_on_both_with_its_words(cloud, tmp_path):
     piece = pyvista.read(path)
     piece.points[3] = np.nan
     piece.save(path)
-    script = CHAIN.split("stages =")[0] + """
+    script = (
+        CHAIN.split("stages =")[0]
+        + """
 mesh.UpdatePipeline()
 print(mesh.GetClientSideObject().last_error)
 """
+    )
     started = time.monotonic()
     done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
     assert time.monotonic() - started < 60

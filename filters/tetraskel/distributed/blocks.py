@@ -8,6 +8,7 @@ serial result.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from tetraskel.distributed.communicator import Communicator, Route
 from tetraskel.kernels.points import lexicographic_order, morton_codes
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Ints = NDArray[Any]
 
 SAMPLES = 64  # for each rank a rank sends to find where the curve is cut; blocks then differ by a few per cent
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tetraskel.errors import Aborted, RankError
 from tetraskel.kernels.compilation import first_line
 
-Array = NDArray[np.generic]
+Array = NDArray[Any]
 Ints = NDArray[np.integer]
 Bytes = NDArray[np.uint8]
 T = TypeVar("T")

@@ -16,6 +16,7 @@ triangulation of all points, and the star of every point of the block is complet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.exact import conflicts, engine
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+Ints = NDArray[Any]
 Bools = NDArray[np.bool_]
 
 LEAF = 16  # points in a box of the tree in which answers are looked for
@@ -89,17 +90,19 @@ def _triangulated(known: Known, tick: Tick) -> tuple[Ints, Ints, Ints]:
 
 
 def _open_cells(known: Known, simplices: Ints, neighbors: Ints, foreign: Floats) -> tuple[Ints, NDArray[np.int8]]:
-    """Cells that have to be asked about, and the slot opposite the hull facet where the infinite one behind is meant."""
+    """Cells to ask about, and the slot opposite the hull facet where the infinite one behind it is meant, else -1."""
     if len(simplices) == 0:
         return np.empty(0, np.int64), np.empty(0, np.int8)
     own = known.own[simplices]  # (m, 4)
-    star = own.any(axis=1)
+    star: Bools = np.asarray(own.any(axis=1))
     others = own.sum(axis=1)[:, None] - own  # own points of the facet opposite each slot
     outside = np.where(neighbors < 0, others == 0, ~star[neighbors])
     border = star & outside.any(axis=1)
     inner = np.flatnonzero(star & ~border)
     met = np.zeros(len(inner), bool)
-    conflicts.cells_in_boxes(simplices.ravel(), known.points.ravel(), foreign.ravel(), inner, met, conflicts.scratch()[1])
+    conflicts.cells_in_boxes(
+        simplices.ravel(), known.points.ravel(), foreign.ravel(), inner, met, conflicts.scratch()[1]
+    )
     finite = np.union1d(np.flatnonzero(border), inner[met])
     cells, slots = np.nonzero((neighbors < 0) & (others > 0))
     all_slots = np.concatenate([np.full(len(finite), -1, np.int8), slots.astype(np.int8)])
@@ -152,15 +155,27 @@ class _Surroundings:
         """Points of other ranks that forbid cells with these (q, 4, 3) corners: coordinates, places and names."""
         flat = np.ascontiguousarray(corners).reshape(len(corners), 12)
         found = np.zeros((len(slots), self.comm.size), bool)
-        conflicts.labels_in_conflict(self._scaled(flat).ravel(), slots, self._scaled(self.foreign).ravel(), self.labels, found, *conflicts.scratch())
+        conflicts.labels_in_conflict(
+            self._scaled(flat).ravel(),
+            slots,
+            self._scaled(self.foreign).ravel(),
+            self.labels,
+            found,
+            *conflicts.scratch(),
+        )
         questions, ranks = np.nonzero(found)
         route = Route(self.comm, ranks)
         asked, asked_slots = route.forward(flat[questions]), route.forward(slots[questions])
         answers = np.empty(len(asked), np.int64)
         points = self._scaled(self.block.points).ravel()
         conflicts.deepest_conflicts(
-            self._scaled(asked).ravel(), asked_slots, self._scaled(self.own_boxes).ravel(), self.starts, points,
-            answers, *conflicts.scratch(),
+            self._scaled(asked).ravel(),
+            asked_slots,
+            self._scaled(self.own_boxes).ravel(),
+            self.starts,
+            points,
+            answers,
+            *conflicts.scratch(),
         )
         wanted = [np.unique(answers[(route.source == rank) & (answers >= 0)]) for rank in range(self.comm.size)]
         return told(self.comm, self.block, wanted)

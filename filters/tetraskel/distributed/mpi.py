@@ -35,7 +35,9 @@ class MpiCommunicator(Communicator):
         incoming = np.empty(self.size, np.int32)
         self.comm.Alltoall(counts, incoming)
         received = np.empty(int(incoming.sum(dtype=np.int64)), np.uint8)
-        self.comm.Alltoallv([np.concatenate(messages), (counts, _starts(counts))], [received, (incoming, _starts(incoming))])
+        self.comm.Alltoallv(
+            [np.concatenate(messages), (counts, _starts(counts))], [received, (incoming, _starts(incoming))]
+        )
         return np.split(received, np.cumsum(incoming)[:-1])
 
     def share(self, message: Bytes) -> list[Bytes]:

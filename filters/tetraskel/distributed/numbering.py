@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tetraskel.distributed.communicator import Communicator, Route
 
-Ints = NDArray[np.int64]
+Ints = NDArray[np.integer]
 
 
 def sums_before(comm: Communicator, numbers: Ints, weights: Ints, start: int, stop: int) -> tuple[Ints, int]:

@@ -87,9 +87,7 @@ def part_of_mesh(comm: Communicator, mesh: Triangulation, point_ids: Ints, cell_
     if cell_ids is None:
         cell_ids = comm.before(len(mesh)) + np.arange(len(mesh), dtype=np.int64)
     linked = other[found]
-    return MeshPart(
-        mesh, point_ids, cell_ids, open_halves[found], linked[:, 0], linked[:, 1], comm.total(len(mesh))
-    )
+    return MeshPart(mesh, point_ids, cell_ids, open_halves[found], linked[:, 0], linked[:, 1], comm.total(len(mesh)))
 
 
 def _sorted_by_id(mesh: Triangulation, point_ids: Ints) -> tuple[Triangulation, Ints]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from tetraskel.kernels.skeleton import END, JUNCTION
 from tetraskel.options import SkeletonOptions
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+Ints = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,9 @@ def skeleton_part(
     n_sons = np.bincount(above, minlength=len(forest))
     is_bound = (forest.parent < 0) | (n_sons != 1)
     told = np.column_stack([index[above], own_index[above], is_bound[above]]).astype(np.int64)
-    parent, parent_at, begins = np.full((3, len(forest)), -1, np.int64)
-    parent[sons], parent_at[sons], begins[sons] = route.back(told).T
-    begins = begins[node] > 0
+    parent, parent_at, below_bound = np.full((3, len(forest)), -1, np.int64)
+    parent[sons], parent_at[sons], below_bound[sons] = route.back(told).T
+    begins = below_bound[node] > 0
     degree = n_sons[node] + (forest.parent[node] >= 0)
     number, n_branches = sums_before(comm, index[node], begins.astype(np.int64), 0, n_nodes)
     branch = np.where(begins, number, -1)
@@ -70,9 +71,7 @@ def skeleton_part(
         inherited = family.down(branch[family.parents])
         branch[family.sons] = np.where(begins[family.sons], branch[family.sons], inherited)
     node_type = np.clip(degree - 1, END, JUNCTION)
-    return SkeletonPart(
-        node, index[node], parent[node], degree, node_type, branch, links[1], links[2], n_branches
-    )
+    return SkeletonPart(node, index[node], parent[node], degree, node_type, branch, links[1], links[2], n_branches)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ level (`numbering`), so that the places of the next offers are those of the seri
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from tetraskel.errors import MeshError
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.sons import CROSSINGS, crossing_codes
 
-Ints = NDArray[np.integer]
+Ints = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ class _Walk:
         m, self.width = part.across.shape
         self.comm, self.part, self.codes = comm, part, codes
         self.crossings = CROSSINGS[self.width - 1].reshape(-1, self.width - 1).astype(np.intp)
-        self.number, self.parent, self.parent_at = (np.full(m, -1, np.int64) for _ in range(3))
+        self.number: Ints = np.full(m, -1, np.int64)
+        self.parent, self.parent_at = (np.full(m, -1, np.int64) for _ in range(2))
         self.depth, self.son_rank, self.son_count = (np.zeros(m, np.int32) for _ in range(3))
         self.tree, self.parent_rank = np.zeros(m, np.int32), np.full(m, -1, np.int32)
         self.entry = np.zeros(m, np.uint8)
@@ -131,7 +133,7 @@ class _Walk:
         counts = sons.sum(axis=1)
         self.son_count[front] = counts
         bases, total = sums_before(self.comm, self.number[front], counts, start, stop)
-        ranks = np.cumsum(sons, axis=1) - sons
+        ranks: Ints = np.cumsum(sons, axis=1) - sons
         return stop + bases[:, None] + ranks, ranks, total
 
     def _take_own(self, front: Ints, halves: Ints, here: tuple, found: tuple[Ints, Ints, Ints]) -> None:

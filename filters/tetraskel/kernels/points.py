@@ -118,7 +118,7 @@ def morton_order(points: Floats) -> Ints:
 
 
 def morton_codes(points: Floats, low: Floats, extent: float) -> NDArray[np.uint64]:
-    """(n,) places of points along the Morton curve over a cube with its lowest corner at `low` and sides of `extent`."""
+    """(n,) places of points along the Morton curve over a cube with lowest corner `low` and sides of `extent`."""
     bits = MORTON_BITS[points.shape[1]]
     cells = np.minimum((points - low) / (extent or 1.0) * 2.0**bits, 2.0**bits - 1).astype(np.uint64)
     code = np.zeros(len(points), np.uint64)

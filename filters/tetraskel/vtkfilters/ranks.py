@@ -214,7 +214,7 @@ def _in_order_of_ids(data):
     ids = array_of(data.GetPointData(), POINT_IDS)
     if ids is None:
         return data
-    names, rows, new_id = np.unique(ids, return_index=True, return_inverse=True)
+    _, rows, new_id = np.unique(ids, return_index=True, return_inverse=True)
     merged = data.NewInstance()
     merged.SetPoints(to_points(points_of(data)[rows]))
     copy_rows(data.GetPointData(), merged.GetPointData(), rows, (GHOSTS, POINT_IDS))

@@ -22,8 +22,8 @@ class TreeBuilder(SkeletonFilter):
     arrays become point arrays of the nodes. ApexId and EntryFacet number the mesh's points; the field array
     OriginalPointIds, if the mesh has one, leads from these to the input's.
 
-    On several MPI ranks each has the nodes of its cells, numbered among all ranks, with CellId, ApexId and EntryFacet as
-    global ids; a parent on another rank is drawn as a copy.
+    On several MPI ranks each has the nodes of its cells, numbered among all ranks, with CellId, ApexId and EntryFacet
+    as global ids; a parent on another rank is drawn as a copy.
     """
 
     options = TreeOptions

@@ -23,7 +23,18 @@ from tetraskel.kernels.exact.predicates import in_sphere, orient3
 
 SHARE = 32 * 2.0**-53  # of the sum of the monomials' sizes, for their roundings
 # a form: corner, scale, V, w and its error, normal of the hull facet and its error, a corner of that; room for a box
-CORNER, SCALE, VOLUME, WEIGHT, WEIGHT_ERROR, NORMAL, NORMAL_ERROR, ORIGIN, SPOT, FORM = 0, 3, 4, 5, 8, 11, 14, 17, 20, 26
+CORNER, SCALE, VOLUME, WEIGHT, WEIGHT_ERROR, NORMAL, NORMAL_ERROR, ORIGIN, SPOT, FORM = (
+    0,
+    3,
+    4,
+    5,
+    8,
+    11,
+    14,
+    17,
+    20,
+    26,
+)
 STACK = 128
 NEVER = (np.inf, np.inf)  # bounds of the static filters that certify nothing
 
@@ -135,7 +146,7 @@ def _forbids(corners, base, slot, points, p):
     )  # fmt: skip
 
 
-def scratch():
+def scratch() -> tuple[np.ndarray, np.ndarray]:
     """Arrays the functions below use."""
     return np.empty(FORM), np.empty(STACK, np.int64)
 
@@ -144,7 +155,7 @@ def scratch():
 def labels_in_conflict(corners, slots, boxes, labels, found, form, stack):
     """Set `found[cell, label]` where a box with that label may hold a point that forbids the cell.
 
-    `boxes` (2 k - 1 times 6, flat) is a tree with k leaves, a power of two; leaf j has the label `labels[j]`, -1 for none.
+    `boxes` (2 k - 1 times 6, flat) is a tree with k leaves, a power of two; leaf j has `labels[j]`.
     """
     first_leaf = len(boxes) // 12
     for cell in range(len(slots)):
