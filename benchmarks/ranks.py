@@ -14,10 +14,10 @@ import numpy as np
 
 from tetraskel.distributed.communicator import together
 from tetraskel.distributed.mpi import MpiCommunicator
-from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.distributed.tree import build_tree_part
-from tetraskel.kernels.triangulate import ready_engine, triangulate
+from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.kernels.tree import build_tree
+from tetraskel.kernels.triangulate import ready_engine, triangulate
 
 
 def megabytes():
@@ -56,9 +56,8 @@ def report(n, size, rows, n_cells):
     cut = rows[:, 4].sum()
     print(f"{size} ranks: {n} points, {n_cells} cells, {rows[:, 7].max():.1f} s to triangulate")
     print(f"  peak of the largest rank {rows[:, 1].max():.0f} MB, of these {rows[:, 0].max():.0f} MB before any point")
-    print(
-        f"  sent to triangulate {rows[:, 2].sum():.2f} MB, for the tree {rows[:, 3].sum():.2f} MB, {rows[0, 6]:.0f} calls"
-    )
+    sent = rows[:, 2:4].sum(axis=0)
+    print(f"  sent to triangulate {sent[0]:.2f} MB, for the tree {sent[1]:.2f} MB, {rows[0, 6]:.0f} calls")
     print(f"  half facets on cuts {cut:.0f}, over n^(2/3): {cut / n ** (2 / 3):.2f}")
     model = 64 * n * (size - 1) / size / 1e6
     print(f"  model: points dealt once at 48 bytes and named at 16: {model:.2f} MB; the rest grows like the cuts")

@@ -55,11 +55,11 @@ np.savez(f"out{{rank}}.npz", cells=counts.GetNumberOfCells(), **out)
 """
 
 
-@pytest.fixture(scope="module")
-def exact():
+@pytest.fixture
+def exact(missing):
     """Numba for ParaView, and one place for what it compiles."""
     if not os.path.isdir(NUMBA) or not numba_is_used():
-        pytest.skip("there is no numba for ParaView (make paraview-numba)")
+        missing("there is no numba for ParaView (make paraview-numba), or none here (the extra fast)")
     return {FOLDER: NUMBA, CACHE: KEPT}
 
 

@@ -54,7 +54,7 @@ def build_tree_part(comm: Communicator, part: MeshPart, tick: Tick = silent) -> 
         For a piece without border.
     """
     codes = crossing_codes(part.mesh, tick)
-    pieces = np.zeros(len(part), np.int64)
+    pieces: Ints = np.zeros(len(part), np.int64)
     walk = _Walk(comm, part, codes)
     walk.run(root_facets(comm, part, pieces), tick)
     if walk.n_nodes < part.n_cells:
