@@ -11,7 +11,17 @@ import pytest
 from paths import ENVIRONMENT, ROOT
 
 PACKAGE = ROOT / "filters" / "tetraskel"
-LAYERS = ["errors", "options", "kernels", "pipeline", "comparison", "vtkfilters", "pyvista_accessor", "cli"]
+LAYERS = [
+    "errors",
+    "options",
+    "kernels",
+    "pipeline",
+    "comparison",
+    "distributed",
+    "vtkfilters",
+    "pyvista_accessor",
+    "cli",
+]
 
 
 def layer_of(module):

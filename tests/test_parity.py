@@ -99,7 +99,14 @@ CASES = {
         not_in_kernel=frozenset({"root_point", "sheets"}),  # the root is a point; another function makes the sheets
         not_in_shell=frozenset({"sheets", "denoise"}),  # a file for the sheets; denoise goes by the method
     ),
-    "DelaunayMesh": Case((("DelaunayMesh", {"joggle": 0.001}),), ("triangulate",), kernel_mesh, "tree --joggle 0.001"),
+    "DelaunayMesh": Case(
+        (("DelaunayMesh", {"joggle": 0.001}),),
+        ("triangulate",),
+        kernel_mesh,
+        "tree --joggle 0.001",
+        not_in_kernel=frozenset({"gather_below"}),  # of several MPI ranks, which only filters have
+        not_in_shell=frozenset({"gather_below"}),
+    ),
     "InteriorCells": Case(
         (MESH, ("InteriorCells", {"ratio": 1.5, "extract": True})),
         ("interior",),

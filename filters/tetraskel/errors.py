@@ -17,6 +17,10 @@ class EngineError(TetraskelError, RuntimeError):
     """A triangulation engine that is missing or failed."""
 
 
+class RankError(TetraskelError, RuntimeError):
+    """Another rank of a run on several failed; says which, and what it said."""
+
+
 class Aborted(TetraskelError):
     """The user asked to stop; nothing was produced."""
 

@@ -106,6 +106,14 @@ class DelaunayOptions(Options):
         "Move noisy points of a surface back onto it first, and of those closer to one another than the noise keep "
         "one. Points without noise are left as they are.",
     )
+    gather_below: int = option(
+        100_000,
+        "On several MPI ranks: fewer points than this are gathered and triangulated on the first rank, more are spread "
+        "over all ranks by place. Has no effect on one rank.",
+        unit="points",
+        bounds=(0, math.inf),
+        flag=None,
+    )
 
 
 @dataclass(frozen=True)

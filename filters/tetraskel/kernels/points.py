@@ -109,17 +109,22 @@ def morton_order(points: Floats) -> Ints:
     A function of the coordinates alone: a permuted cloud is sorted into the same sequence. Neighbours in space are
     mostly neighbours in the sequence, which triangulation engines like.
     """
-    bits = MORTON_BITS[points.shape[1]]
     low = points.min(axis=0, initial=np.inf)
-    extent = float((points - low).max(initial=0.0)) or 1.0
-    cells = np.minimum((points - low) / extent * 2.0**bits, 2.0**bits - 1).astype(np.uint64)
-    code = np.zeros(len(points), np.uint64)
-    for axis, column in enumerate(cells.T):
-        code |= _spread_bits(column, points.shape[1]) << np.uint64(axis)
+    code = morton_codes(points, low, float((points - low).max(initial=0.0)))
     order = np.argsort(code, kind="stable")
     if np.any(code[order][1:] == code[order][:-1]):
         order = np.lexsort([*points.T[::-1], code])
     return order
+
+
+def morton_codes(points: Floats, low: Floats, extent: float) -> NDArray[np.uint64]:
+    """(n,) places of points along the Morton curve over a cube with lowest corner `low` and sides of `extent`."""
+    bits = MORTON_BITS[points.shape[1]]
+    cells = np.minimum((points - low) / (extent or 1.0) * 2.0**bits, 2.0**bits - 1).astype(np.uint64)
+    code = np.zeros(len(points), np.uint64)
+    for axis, column in enumerate(cells.T):
+        code |= _spread_bits(column, points.shape[1]) << np.uint64(axis)
+    return code
 
 
 def _spread_bits(values: NDArray[np.uint64], dim: int) -> NDArray[np.uint64]:

@@ -16,8 +16,10 @@ from vtkmodules.vtkCommonExecutionModel import (
     vtkStreamingDemandDrivenPipeline,
 )
 
+from tetraskel.distributed.communicator import together
 from tetraskel.errors import Aborted, InputError
 from tetraskel.options import Options, check_value
+from tetraskel.vtkfilters import ranks
 from tetraskel.vtkfilters.found import count_blocks, facts_of, gathered, whole_input
 
 PROGRESS_SECONDS = 0.1
@@ -110,8 +112,27 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         """Called by VTK: hand the data objects to `execute`."""
         inputs = [self._connected(vector) for vector in inInfo]
         outputs = [vtkDataObject.GetData(outInfo, port) for port in range(self.n_outputs)]
-        self.execute(inputs, outputs)
+        comm = ranks.communicator_for(self)
+        if comm is None:
+            self.execute(inputs, outputs)
+        else:
+            together(comm, lambda: self.execute_on_ranks(comm, inputs, outputs))
         self._found.append(facts_of(outputs[0]))
+        return 1
+
+    def execute_on_ranks(self, comm, inputs, outputs):
+        """Fill the outputs on several ranks, of which each has pieces of the inputs.
+
+        Unless a filter can do better, the first rank gets all pieces and does the work; the others have no output.
+        """
+        whole = [None if data is None else ranks.gathered(comm, data) for data in inputs]
+        if comm.rank == 0:
+            self.execute(whole, outputs)
+
+    def RequestInformation(self, request, inInfo, outInfo):  # noqa: N803
+        """Called by VTK: on several ranks every rank takes part, whether it has a piece of the input or not."""
+        for port in range(self.n_outputs):
+            outInfo.GetInformationObject(port).Set(vtkAlgorithm.CAN_HANDLE_PIECE_REQUEST(), 1)
         return 1
 
     @staticmethod

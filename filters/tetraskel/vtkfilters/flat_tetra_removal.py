@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataObjectTypes
 
+from tetraskel.distributed.flat import contract_part
 from tetraskel.errors import InputError
 from tetraskel.kernels.flat import all_flat, contract
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import FlatOptions
+from tetraskel.vtkfilters import ranks_tree
 from tetraskel.vtkfilters.base import SkeletonFilter
 from tetraskel.vtkfilters.convert import add_facts, array_of, copy_rows, fill_grid, mesh_of, points_of, to_cells
 from tetraskel.vtkfilters.treedata import copy_node_arrays, fill_tree, forest_arrays, forest_of
@@ -51,23 +53,51 @@ class FlatTetraRemoval(SkeletonFilter):
             removed = self._drop_cells(source, output)
         add_facts(output, {"FlatRemoved": removed})
 
+    def execute_on_ranks(self, comm, inputs, outputs):
+        """Contract the tree of all ranks, thin out each rank's cells."""
+        source, output = inputs[0], outputs[0]
+        is_tree = comm.total(int(source.GetPointData().HasArray("ParentId"))) > 0
+        if not is_tree:
+            removed = self._drop_cells(source, output) if source.GetNumberOfCells() else 0
+            add_facts(output, {"FlatRemoved": comm.total(removed)})
+        elif ranks_tree.is_spread_tree(comm, source):
+            self._contract_parts(comm, source, output)
+        else:
+            super().execute_on_ranks(comm, inputs, outputs)
+
+    def _contract_parts(self, comm, source, output):
+        forest, own = ranks_tree.forest_part_of(comm, source)
+        quality = self._quality(source) if len(own) else np.empty(0)
+        kept_forest, kept = contract_part(comm, forest, quality[own] < self.threshold)
+        arrays = ranks_tree.forest_part_arrays(kept_forest)
+        ranks_tree.fill_nodes(comm, output, kept_forest, points_of(source)[own[kept]], arrays)
+        n_copies = output.GetNumberOfPoints() - len(kept)
+        ranks_tree.add_node_arrays(output, source.GetPointData(), own[kept], {}, n_copies)
+        output.GetFieldData().PassData(source.GetFieldData())
+        add_facts(output, {"FlatRemoved": forest.n_nodes - kept_forest.n_nodes})
+
     def _contract(self, source, output):
         forest, traversal = forest_of(source)
-        quality = array_of(source.GetPointData(), "Quality")
         if not source.IsA("vtkPolyData"):
             raise InputError(
                 f"expected a tree as polygonal data, got {source.GetClassName()}; extract its surface first."
             )
-        if quality is None or not np.isfinite(quality).all():
-            raise InputError(
-                "expected a tree with the point array Quality, got none or NaN; connect the output of TreeBuilder."
-            )
+        quality = self._quality(source)
         kept_forest, kept = contract(forest, quality < self.threshold, traversal)
         if len(forest) and len(kept) == 0:
             raise InputError(all_flat(len(forest), self.threshold))
         fill_tree(output, points_of(source)[kept], kept_forest, traversal)
         copy_node_arrays(source, output, kept, tuple(forest_arrays(kept_forest)))
         return len(forest) - len(kept)
+
+    @staticmethod
+    def _quality(source):
+        quality = array_of(source.GetPointData(), "Quality")
+        if quality is None or not np.isfinite(quality).all():
+            raise InputError(
+                "expected a tree with the point array Quality, got none or NaN; connect the output of TreeBuilder."
+            )
+        return quality
 
     def _drop_cells(self, source, output):
         mesh = mesh_of(source)

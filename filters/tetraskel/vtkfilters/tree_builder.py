@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from tetraskel.distributed.tree import build_tree_part
 from tetraskel.kernels.centres import centres, circumballs
 from tetraskel.kernels.quality import qualities
-from tetraskel.kernels.tree import build_tree
+from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.options import TreeOptions
+from tetraskel.vtkfilters import ranks_tree
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, mesh_of, pass_facts
+from tetraskel.vtkfilters.convert import add_arrays, add_facts, array_of, copy_rows, mesh_of, pass_facts
 from tetraskel.vtkfilters.treedata import fill_tree
 
 
@@ -19,6 +21,9 @@ class TreeBuilder(SkeletonFilter):
     The mesh may come from DelaunayMesh or from anywhere; a mesh in pieces gives a tree per piece. The mesh's cell
     arrays become point arrays of the nodes. ApexId and EntryFacet number the mesh's points; the field array
     OriginalPointIds, if the mesh has one, leads from these to the input's.
+
+    On several MPI ranks each has the nodes of its cells, numbered among all ranks, with CellId, ApexId and EntryFacet
+    as global ids; a parent on another rank is drawn as a copy.
     """
 
     options = TreeOptions
@@ -33,7 +38,9 @@ class TreeBuilder(SkeletonFilter):
     def execute(self, inputs, outputs):
         """Build the tree and describe its nodes."""
         source, output = inputs[0], outputs[0]
-        mesh = mesh_of(source)
+        self._write_whole(source, mesh_of(source), output)
+
+    def _write_whole(self, source, mesh, output):
         tree = build_tree(mesh, traversal=self.traversal, tick=self.tick("Building the tree", 0.2, 0.6))
         positions = centres(mesh, self.centre, self.tick("Placing the nodes", 0.6, 0.7))
         fill_tree(output, positions[tree.cell], tree.forest, tree.traversal)
@@ -43,6 +50,32 @@ class TreeBuilder(SkeletonFilter):
         original = array_of(source.GetPointData(), "OriginalPointIds")
         if original is not None:
             add_arrays(output.GetFieldData(), {"OriginalPointIds": original})
+
+    def execute_on_ranks(self, comm, inputs, outputs):
+        """Build the tree of the cells of all ranks; each rank describes the nodes of its own."""
+        source, output = inputs[0], outputs[0]
+        if self.traversal != "breadth" or not ranks_tree.is_spread(comm, source, self.warn):
+            super().execute_on_ranks(comm, inputs, outputs)
+            return
+        part, own = ranks_tree.part_of_data(comm, source)
+        tree = build_tree_part(comm, part, self.tick("Building the tree", 0.2, 0.6))
+        positions = centres(part.mesh, self.centre, self.tick("Placing the nodes", 0.6, 0.7))[tree.cell]
+        arrays = ranks_tree.forest_part_arrays(tree.forest)
+        ranks_tree.fill_nodes(comm, output, tree.forest, positions, arrays)
+        rows = own[tree.cell]
+        n_copies = output.GetNumberOfPoints() - len(rows)
+        described = self._part_arrays(tree)
+        ranks_tree.add_node_arrays(output, source.GetCellData(), rows, described, n_copies)
+        output.GetFieldData().PassData(source.GetFieldData())
+        add_facts(output, {"Traversal": "breadth"})
+
+    def _part_arrays(self, tree):
+        """Arrays of one rank's nodes, with the ids that cells and points have among all ranks."""
+        mesh, ids = tree.part.mesh, tree.part.point_ids
+        walked = Tree(tree.forest, tree.cell, tree.entry, mesh, "breadth")
+        arrays = self._node_arrays(walked)
+        named = {"CellId": tree.part.cell_ids[tree.cell], "ApexId": ids[walked.apex]}
+        return {**arrays, **named, "EntryFacet": ids[walked.entry_facet]}
 
     def _node_arrays(self, tree):
         quality = qualities(tree.mesh, self.tick("Measuring the cells", 0.7, 0.8))

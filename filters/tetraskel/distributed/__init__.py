@@ -1,0 +1,1 @@
+"""One triangulation and one tree on many ranks: every function here is called by all ranks together."""

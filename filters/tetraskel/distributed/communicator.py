@@ -1,0 +1,192 @@
+"""What ranks say to each other: a small protocol, the same over MPI and between threads of one process.
+
+Every collective begins with a word from each rank whether it is well. A rank that failed answers that word, too, so
+that the others learn of it in whatever collective they are, raise what it says, and nobody waits for ever.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.errors import Aborted, RankError
+from tetraskel.kernels.compilation import first_line
+
+Array = NDArray[Any]
+Ints = NDArray[np.integer]
+Bytes = NDArray[np.uint8]
+T = TypeVar("T")
+
+
+class Communicator(ABC):
+    """A rank's end of the line. Subclasses move bytes; arrays and agreement are made of them here.
+
+    Attributes
+    ----------
+    rank, size : int
+        Which rank this is, of how many.
+    sent_bytes, exchanges : int
+        Bytes sent to other ranks so far, and collectives taken part in.
+    """
+
+    rank: int
+    size: int
+
+    def __init__(self) -> None:
+        self.sent_bytes = 0
+        self.exchanges = 0
+        self.failure: Exception | None = None  # of any rank: after it nobody listens any more
+
+    @abstractmethod
+    def all_well(self, well: bool) -> bool:
+        """Whether every rank is well; all ranks get the same answer."""
+
+    @abstractmethod
+    def swap(self, messages: Sequence[Bytes]) -> list[Bytes]:
+        """Send message k to rank k; what each rank sent here."""
+
+    @abstractmethod
+    def share(self, message: Bytes) -> list[Bytes]:
+        """Send one message to everybody; everybody's."""
+
+    def agree(self) -> None:
+        """Wait until all ranks have come here.
+
+        Raises
+        ------
+        RankError
+            When another rank failed: with what it says.
+        """
+        if self.failure is not None:
+            raise self.failure
+        if not self.all_well(True):
+            self.failure = _failure_told(self.share(np.empty(0, np.uint8)))
+            raise self.failure
+
+    def fail(self, error: BaseException) -> None:
+        """Tell the others, in whatever collective they are, why this rank cannot go on."""
+        if self.failure is not None:
+            return
+        self.failure = RankError("this rank has failed before.")
+        self.all_well(False)
+        text = ("A" if isinstance(error, Aborted) else "E") + (first_line(error) if str(error) else repr(error))
+        self.share(np.frombuffer(text.encode(), np.uint8))
+
+    def alltoall(self, parts: Sequence[Array]) -> list[Array]:
+        """Send array k to rank k; the arrays sent here. All have one type and one shape but for their length."""
+        self.agree()
+        mine = parts[self.rank]
+        messages = [_as_bytes(part) for part in parts]
+        self.exchanges += 1
+        self.sent_bytes += sum(len(message) for rank, message in enumerate(messages) if rank != self.rank)
+        return [_from_bytes(message, mine) for message in self.swap(messages)]
+
+    def allgather(self, part: Array) -> list[Array]:
+        """Everybody's array; all have one type and one shape but for their length."""
+        self.agree()
+        message = _as_bytes(part)
+        self.exchanges += 1
+        self.sent_bytes += len(message) * (self.size - 1)
+        return [_from_bytes(received, part) for received in self.share(message)]
+
+    def gather(self, part: Array, root: int = 0) -> Array:
+        """Everybody's arrays, one after another, on one rank; none on the others."""
+        empty = np.empty((0, *part.shape[1:]), part.dtype)
+        return np.concatenate(self.alltoall([part if rank == root else empty for rank in range(self.size)]))
+
+    def sums(self, values: Array) -> Array:
+        """Sums over the ranks of a few numbers."""
+        return np.sum(self._stacked(values), axis=0, dtype=np.asarray(values).dtype)
+
+    def lowest(self, values: Array) -> Array:
+        """Minima over the ranks of a few numbers."""
+        return np.min(self._stacked(values), axis=0)
+
+    def highest(self, values: Array) -> Array:
+        """Maxima over the ranks of a few numbers."""
+        return np.max(self._stacked(values), axis=0)
+
+    def _stacked(self, values: Array) -> Array:
+        return np.stack(self.allgather(np.asarray(values)))
+
+    def total(self, value: int) -> int:
+        """Sum of a whole number over the ranks."""
+        return int(self.sums(np.array([value], np.int64))[0])
+
+    def before(self, value: int) -> int:
+        """Sum of a whole number over the ranks before this one."""
+        return int(np.concatenate(self.allgather(np.array([value], np.int64)))[: self.rank].sum())
+
+
+def together(comm: Communicator, work: Callable[[], T]) -> T:
+    """Do `work` on every rank; when it fails on one rank it fails on all, with what that rank says.
+
+    Raises
+    ------
+    RankError
+        On the ranks that did not fail themselves; the others raise their own error.
+    """
+    try:
+        result = work()
+    except BaseException as error:
+        comm.fail(error)
+        raise
+    comm.agree()
+    return result
+
+
+class Route:
+    """Rows on their way to the ranks they are for, and answers on the way back.
+
+    Parameters
+    ----------
+    destination : (k,) int
+        Rank each row goes to.
+
+    Attributes
+    ----------
+    source : (r,) int
+        Rank each received row came from; known after the first `forward`.
+    """
+
+    def __init__(self, comm: Communicator, destination: Ints) -> None:
+        self.comm = comm
+        self.order = np.argsort(destination, kind="stable")
+        self.ends = np.cumsum(np.bincount(destination, minlength=comm.size))
+        self.source = np.empty(0, np.intp)
+        self._received_ends = np.zeros(comm.size, np.intp)
+
+    def forward(self, rows: Array) -> Array:
+        """The rows (k, ...) for this rank, in the order of their ranks and there in their order."""
+        parts = self.comm.alltoall(np.split(rows[self.order], self.ends[:-1]))
+        counts = [len(part) for part in parts]
+        self.source = np.repeat(np.arange(self.comm.size), counts)
+        self._received_ends = np.cumsum(counts)
+        return np.concatenate(parts)
+
+    def back(self, answers: Array) -> Array:
+        """Answers (r, ...) to the received rows, on the ranks that asked, in the order in which they had the rows."""
+        received = np.concatenate(self.comm.alltoall(np.split(answers, self._received_ends[:-1])))
+        found = np.empty_like(received)
+        found[self.order] = received
+        return found
+
+
+def _failure_told(messages: Sequence[Bytes]) -> Exception:
+    """What the first rank that failed says."""
+    texts = {rank: bytes(message).decode() for rank, message in enumerate(messages) if len(message)}
+    rank, text = next(iter(texts.items()))
+    kind = Aborted if text[0] == "A" else RankError
+    return kind(f"rank {rank}: {text[1:]}")
+
+
+def _as_bytes(part: Array) -> Bytes:
+    return np.ascontiguousarray(part).reshape(-1).view(np.uint8)
+
+
+def _from_bytes(message: Bytes, like: Array) -> Array:
+    return message.view(like.dtype).reshape(-1, *like.shape[1:])

@@ -1,0 +1,119 @@
+"""A triangulation spread over ranks: each rank's simplices, and who has the other side of its facets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.errors import MeshError
+from tetraskel.kernels.adjacency import facet_points, scramble
+from tetraskel.kernels.mesh import Triangulation
+
+Ints = NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class MeshPart:
+    """One rank's simplices of a triangulation.
+
+    Attributes
+    ----------
+    mesh : Triangulation
+        The simplices this rank owns over the points it needs; its neighbours know this rank's simplices only.
+    point_ids : (n,) int
+        Id of each point among all ranks, increasing: the order of the points here is that of all.
+    cell_ids : (m,) int
+        Id of each simplex among all ranks.
+    halves : (k,) int
+        Facets whose other side another rank has, as simplex * (d+1) + opposite vertex, increasing.
+    ranks, mates : (k,) int
+        That rank, and the facet as that rank numbers it.
+    n_cells : int
+        Number of simplices on all ranks.
+    """
+
+    mesh: Triangulation
+    point_ids: Ints
+    cell_ids: Ints
+    halves: Ints
+    ranks: Ints
+    mates: Ints
+    n_cells: int
+
+    def __len__(self) -> int:
+        return len(self.mesh)
+
+    @cached_property
+    def across(self) -> NDArray[np.int32]:
+        """(m, d+1) own simplex across each facet; m + j for the facet `halves[j]`; -1 for none."""
+        across = np.array(self.mesh.neighbors, np.int32)
+        across.reshape(-1)[self.halves] = len(self.mesh) + np.arange(len(self.halves), dtype=np.int32)
+        return across
+
+
+def part_of_mesh(comm: Communicator, mesh: Triangulation, point_ids: Ints, cell_ids: Ints | None = None) -> MeshPart:
+    """Find the other sides of the facets that this rank's simplices leave open.
+
+    Strategy: each open facet is sent to a rank that its points' ids decide, where its two sides meet; each is then told
+    of the other.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+        This rank's simplices; none of them on two ranks.
+    point_ids : (n,) int
+        Id of each of its points among all ranks.
+    cell_ids : (m,) int, optional
+        Of the simplices; by default they are numbered rank after rank.
+
+    Raises
+    ------
+    MeshError
+        When a facet belongs to more than two simplices.
+    """
+    mesh, point_ids = _sorted_by_id(mesh, point_ids)
+    open_halves = np.flatnonzero(mesh.neighbors.ravel() < 0)
+    facets = point_ids[facet_points(mesh.simplices, open_halves)].astype(np.int64)
+    keys = scramble(facets.astype(np.uint64)).sum(axis=1, dtype=np.uint64)
+    route = Route(comm, (keys % np.uint64(comm.size)).astype(np.intp))
+    sent = np.concatenate([facets, open_halves[:, None]], axis=1)
+    met = route.forward(sent)
+    other = route.back(_paired(met, route.source))
+    found = np.flatnonzero(other[:, 0] >= 0)
+    if cell_ids is None:
+        cell_ids = comm.before(len(mesh)) + np.arange(len(mesh), dtype=np.int64)
+    linked = other[found]
+    return MeshPart(mesh, point_ids, cell_ids, open_halves[found], linked[:, 0], linked[:, 1], comm.total(len(mesh)))
+
+
+def _sorted_by_id(mesh: Triangulation, point_ids: Ints) -> tuple[Triangulation, Ints]:
+    """The mesh with its points in the order of their ids, so that comparing indices is comparing ids."""
+    if np.all(point_ids[1:] > point_ids[:-1]):
+        return mesh, point_ids
+    order = np.argsort(point_ids, kind="stable")
+    if np.any(np.diff(point_ids[order]) == 0):
+        raise MeshError("expected points with ids that differ, got two with one; generate global ids anew.")
+    new_id = np.empty(len(order), np.int32)
+    new_id[order] = np.arange(len(order), dtype=np.int32)
+    return replace(mesh, points=mesh.points[order], simplices=new_id[mesh.simplices]), point_ids[order]
+
+
+def _paired(met: Ints, source: Ints) -> Ints:
+    """(r, 2) rank and facet number of the other side of each facet that came here, -1 for none."""
+    facets, halves = met[:, :-1], met[:, -1]
+    order = np.lexsort(facets.T[::-1])
+    same = (facets[order[1:]] == facets[order[:-1]]).all(axis=1)
+    if np.any(same[1:] & same[:-1]):
+        raise MeshError(
+            "expected facets shared by at most two simplices, got some shared by more; remove ghost cells or "
+            "overlapping cells first."
+        )
+    other = np.full((len(met), 2), -1, np.int64)
+    left, right = order[:-1][same], order[1:][same]
+    other[left] = np.stack([source[right], halves[right]], axis=1)
+    other[right] = np.stack([source[left], halves[left]], axis=1)
+    return other

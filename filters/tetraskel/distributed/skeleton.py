@@ -1,0 +1,139 @@
+"""The skeleton of a tree spread over ranks: each rank draws its nodes, and the lines that lead to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.forests import ForestPart, families_of
+from tetraskel.distributed.numbering import sums_before
+from tetraskel.kernels.skeleton import END, JUNCTION
+from tetraskel.options import SkeletonOptions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SkeletonPart:
+    """One rank's nodes of the skeleton; see `tetraskel.kernels.skeleton.TreeSkeleton`.
+
+    Attributes
+    ----------
+    node : (k,) int
+        Index of each in the tree's part.
+    index, parent : (k,) int
+        Its index in the serial skeleton, and that of its parent, -1 for a root.
+    degree, node_type, branch_id : (k,) int
+    parent_rank, parent_at : (k,) int
+        Rank that has the parent, and its index among that rank's nodes of the skeleton; -1 for a root.
+    n_branches : int
+        On all ranks.
+    """
+
+    node: Ints
+    index: Ints
+    parent: Ints
+    degree: Ints
+    node_type: Ints
+    branch_id: Ints
+    parent_rank: Ints
+    parent_at: Ints
+    n_branches: int
+
+
+def skeleton_part(
+    comm: Communicator, forest: ForestPart, *, keep_leaves: bool = SkeletonOptions.keep_leaves
+) -> SkeletonPart:
+    """The skeleton of a forest: its nodes without the leaves, cut into branches."""
+    kept = (forest.son_count > 0) | (forest.parent < 0) | keep_leaves
+    index, n_nodes = sums_before(comm, forest.number, kept.astype(np.int64), 0, forest.n_nodes)
+    node = np.flatnonzero(kept)
+    own_index = np.cumsum(kept) - 1
+    sons = np.flatnonzero(kept & (forest.parent_rank >= 0))
+    route = Route(comm, forest.parent_rank[sons])
+    above = route.forward(forest.parent_at[sons])
+    n_sons = np.bincount(above, minlength=len(forest))
+    is_bound = (forest.parent < 0) | (n_sons != 1)
+    told = np.column_stack([index[above], own_index[above], is_bound[above]]).astype(np.int64)
+    parent, parent_at, below_bound = np.full((3, len(forest)), -1, np.int64)
+    parent[sons], parent_at[sons], below_bound[sons] = route.back(told).T
+    begins = below_bound[node] > 0
+    degree = n_sons[node] + (forest.parent[node] >= 0)
+    number, n_branches = sums_before(comm, index[node], begins.astype(np.int64), 0, n_nodes)
+    branch = np.where(begins, number, -1)
+    links = (forest.depth[node], forest.parent_rank[node], parent_at[node])
+    for family in families_of(comm, *links):
+        inherited = family.down(branch[family.parents])
+        branch[family.sons] = np.where(begins[family.sons], branch[family.sons], inherited)
+    node_type = np.clip(degree - 1, END, JUNCTION)
+    return SkeletonPart(node, index[node], parent[node], degree, node_type, branch, links[1], links[2], n_branches)
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The branches of a skeleton as far as one rank has them.
+
+    Attributes
+    ----------
+    points : (p, e) float
+        Where this rank's nodes lie, then those parents that others have.
+    ghosts : (g,) int
+        Skeleton index of these parents.
+    offsets, nodes : (l+1,) int, (...) int
+        Polylines over the points, each from the parent of its first node on; a branch on several ranks is several.
+    branch_id : (l,) int
+    lengths : (l,) float
+        Of the whole branch, in the length unit; the sum of its pieces.
+    """
+
+    points: Floats
+    ghosts: Ints
+    offsets: Ints
+    nodes: Ints
+    branch_id: Ints
+    lengths: Floats
+
+
+def lines_of(comm: Communicator, skeleton: SkeletonPart, points: Floats) -> Lines:
+    """Draw the skeleton; `points` (k, e) is where its nodes lie."""
+    k = len(skeleton.node)
+    away = np.flatnonzero((skeleton.parent_rank >= 0) & (skeleton.parent_rank != comm.rank))
+    route = Route(comm, skeleton.parent_rank[away])
+    theirs = route.back(points[route.forward(skeleton.parent_at[away])])
+    ghosts, first, number = np.unique(skeleton.parent[away], return_index=True, return_inverse=True)
+    parent = np.array(skeleton.parent_at)
+    parent[away] = k + number.reshape(-1)
+    whole = np.concatenate([points, theirs[first]])
+    offsets, nodes, branch_id = _polylines(skeleton, parent)
+    steps = np.sqrt(((whole[parent[nodes]] - whole[nodes]) ** 2).sum(axis=1))
+    own = np.add.reduceat(steps, offsets[:-1]) if len(nodes) else np.empty(0)
+    lengths = _lengths_of_branches(comm, branch_id, own, skeleton.n_branches)
+    heads = parent[nodes[offsets[:-1]]] if len(nodes) else np.empty(0, np.int64)
+    ends = offsets + np.arange(len(offsets))
+    return Lines(whole, ghosts, ends, np.insert(nodes, offsets[:-1], heads), branch_id, lengths)
+
+
+def _polylines(skeleton: SkeletonPart, parent: Ints) -> tuple[Ints, Ints, Ints]:
+    """Offsets and nodes, without the parents they begin at, of the stretches of branches; and their branches."""
+    drawn = np.flatnonzero(skeleton.branch_id >= 0)
+    order = drawn[np.lexsort((skeleton.index[drawn], skeleton.branch_id[drawn]))]
+    branch = skeleton.branch_id[order]
+    goes_on = np.zeros(len(order), bool)
+    goes_on[1:] = (branch[1:] == branch[:-1]) & (parent[order[1:]] == order[:-1])
+    starts = np.flatnonzero(~goes_on)
+    return np.append(starts, len(order)).astype(np.int64), order.astype(np.int64), branch[starts]
+
+
+def _lengths_of_branches(comm: Communicator, branch_id: Ints, own: Floats, n_branches: int) -> Floats:
+    """(l,) length of the branch that each stretch belongs to."""
+    route = Route(comm, branch_id * comm.size // max(n_branches, 1))
+    branches = route.forward(branch_id)
+    names, number = np.unique(branches, return_inverse=True)
+    sums = np.zeros(len(names))
+    np.add.at(sums, number.reshape(-1), route.forward(own))
+    return route.back(sums[number.reshape(-1)])

@@ -1,0 +1,252 @@
+"""The filters in a ParaView on two MPI ranks: pvbatch with and without --sym, and pvserver with a client."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+import pyvista
+
+from paths import PLUGIN, ROOT, SAMPLES
+from programs import environment, program
+from tetraskel import assemble_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
+from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, numba_is_used
+
+NUMBA = os.environ.get(FOLDER, str(PLUGIN.parent / BESIDE))
+KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" / "numba-cache"))  # ParaView's own
+SECONDS = 240
+THRESHOLD = 0.1
+CHAIN = f"""
+import sys
+import numpy as np
+from paraview.simple import *
+from vtkmodules.util.numpy_support import vtk_to_numpy
+if len(sys.argv) > 3:
+    Connect("localhost", int(sys.argv[3]))
+LoadPlugin({str(PLUGIN)!r}, remote=True, ns=globals()) if len(sys.argv) > 3 else None
+LoadPlugin({str(PLUGIN)!r}, remote=False, ns=globals())
+cloud = XMLPartitionedPolydataReader(FileName="cloud.pvtp")
+mesh = DelaunayMesh(Input=cloud, Engine=sys.argv[1], GatherBelow=0)
+tree = TreeBuilder(Input=mesh)
+kept = FlatTetraRemoval(Input=tree, Threshold={THRESHOLD})
+skeleton = SkeletonOutput(Input=kept)
+stages = dict(mesh=mesh, tree=tree, kept=kept, skeleton=skeleton)
+skeleton.UpdatePipeline()
+sym = sys.argv[2] == "sym"
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
+rank = vtkMultiProcessController.GetGlobalController().GetLocalProcessId() if sym else 0
+out = {{}}
+for name, proxy in stages.items():
+    data = proxy.GetClientSideObject().GetOutputDataObject(0) if sym else servermanager.Fetch(proxy)
+    attributes = data.GetPointData()
+    names = [attributes.GetArrayName(k) for k in range(attributes.GetNumberOfArrays())]
+    out.update({{name + "_" + a: vtk_to_numpy(attributes.GetArray(a)) for a in names}})
+    points = data.GetPoints()
+    out[name + "_points"] = vtk_to_numpy(points.GetData()) if data.GetNumberOfPoints() else np.empty((0, 3))
+    if name == "mesh" and data.GetNumberOfCells():
+        out["simplices"] = vtk_to_numpy(data.GetCells().GetConnectivityArray()).reshape(-1, 4)
+counts = mesh.GetDataInformation()
+np.savez(f"out{{rank}}.npz", cells=counts.GetNumberOfCells(), **out)
+"""
+
+
+@pytest.fixture
+def exact(missing):
+    """Numba for ParaView, and one place for what it compiles."""
+    if not os.path.isdir(NUMBA) or not numba_is_used():
+        missing("there is no numba for ParaView (make paraview-numba), or none here (the extra fast)")
+    return {FOLDER: NUMBA, CACHE: KEPT}
+
+
+@pytest.fixture
+def cloud(tmp_path):
+    """Points of a lattice and between them, in two pieces."""
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3)
+    points = np.concatenate([np.random.default_rng(0).random((300, 3)) * 4, lattice])
+    write_pieces(tmp_path, points)
+    return points
+
+
+def write_pieces(folder, points):
+    """A file of points dealt to two pieces at random, some of them to both, with global ids and an array."""
+    rng = np.random.default_rng(0)
+    owner = rng.integers(0, 2, len(points))
+    for rank in range(2):
+        ids = np.flatnonzero((owner == rank) | (np.arange(len(points)) % 50 == 0))
+        piece = pyvista.PolyData(points[ids])
+        piece["weight"] = ids * 2.0
+        piece.point_data.active_scalars_name = None
+        piece["ids"] = ids.astype(np.int64)
+        piece.GetPointData().SetActiveAttribute("ids", 5)  # global ids
+        piece.save(folder / f"piece{rank}.vtp")
+    (folder / "cloud.pvtp").write_text(
+        '<VTKFile type="PPolyData" version="0.1"><PPolyData GhostLevel="0"><PPointData GlobalIds="ids">'
+        '<PDataArray type="Float64" Name="weight"/><PDataArray type="Int64" IdType="1" Name="ids"/></PPointData>'
+        '<PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>'
+        '<Piece Source="piece0.vtp"/><Piece Source="piece1.vtp"/></PPolyData></VTKFile>'
+    )
+
+
+def mpirun(folder, *command, **more):
+    """Start a program on two ranks."""
+    start = [program("mpirun"), "--allow-run-as-root", "--oversubscribe", "-np", "2", *map(str, command)]
+    return subprocess.Popen(
+        start, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment(**more)
+    )
+
+
+def batch(folder, script, *arguments, sym=True, **more):
+    """Run a script in pvbatch on two ranks, to its end."""
+    (folder / "script.py").write_text(script)
+    flags = ["--sym"] if sym else []
+    process = mpirun(folder, program("pvbatch"), *flags, "script.py", *arguments, **more)
+    out, err = process.communicate(timeout=SECONDS)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+
+def assert_is_serial(folder, points, engine, fetched=False):
+    """The arrays of all ranks, sorted by their ids and without copies, are those of one.
+
+    ParaView 5.11 fetches unstructured grids from its first rank only: of a fetched mesh only the size is known.
+    """
+    parts = [np.load(path) for path in sorted(folder.glob("out*.npz"))]
+    mesh = triangulate(points, engine=engine)
+    tree = build_tree(mesh)
+    kept = remove_flat(tree, threshold=THRESHOLD)
+    skeleton = assemble_skeleton(kept)
+    marks = {}
+
+    def whole(stage, name):
+        found = [part[f"{stage}_{name}"][marks[stage][k]] for k, part in enumerate(parts) if len(marks[stage][k])]
+        return np.concatenate(found)[order[stage]]
+
+    order = {}
+    keys_of = {"mesh": "OriginalPointIds", "tree": "NodeId", "kept": "NodeId", "skeleton": "NodeId"}
+    for stage, key in keys_of.items():
+        marks[stage] = [_own(part, stage) for part in parts]
+        keys = np.concatenate(
+            [part[f"{stage}_{key}"][own] for part, own in zip(parts, marks[stage], strict=True) if len(own)]
+        )
+        order[stage] = np.argsort(keys)
+        assert len(np.unique(keys)) == len(keys)
+    if fetched:
+        assert parts[0]["cells"] == len(mesh)
+    else:
+        assert np.array_equal(whole("mesh", "points"), mesh.points)
+        assert np.array_equal(whole("mesh", "weight"), 2.0 * mesh.original_ids)
+    for stage, nodes in (("tree", tree), ("kept", kept)):
+        assert len(order[stage]) == len(nodes)
+        expected = {
+            "ParentId": nodes.parent, "Depth": nodes.depth, "SonRank": nodes.son_rank, "SonCount": nodes.son_count,
+            "SubtreeSize": nodes.subtree_size, "CellId": nodes.cell, "ApexId": nodes.apex,
+            "EntryFacet": nodes.entry_facet,
+        }  # fmt: skip
+        for name, values in expected.items():
+            assert np.array_equal(whole(stage, name), values), (stage, name)
+    assert np.array_equal(whole("skeleton", "NodeId"), skeleton.node)
+    assert np.array_equal(whole("skeleton", "points"), skeleton.points)
+    for name, values in {"NodeType": skeleton.node_type, "BranchId": skeleton.branch_id}.items():
+        assert np.array_equal(whole("skeleton", name), values)
+
+
+def _own(part, stage):
+    name = f"{stage}_vtkGhostType"
+    n = len(part[f"{stage}_points"]) if f"{stage}_NodeId" in part or f"{stage}_OriginalPointIds" in part else 0
+    return np.flatnonzero(part[name] == 0) if name in part else np.arange(n)
+
+
+def test_pvbatch_with_a_script_on_each_rank(exact, cloud, tmp_path):
+    done = batch(tmp_path, CHAIN, "Exact", "sym", **exact)
+    assert done.returncode == 0, done.stderr
+    assert_is_serial(tmp_path, cloud, "exact")
+    assert min(np.load(path)["tree_NodeId"].size for path in tmp_path.glob("out*.npz")) > 500  # nobody has all
+
+
+def test_pvbatch_with_a_script_on_the_first_rank(exact, cloud, tmp_path):
+    done = batch(tmp_path, CHAIN, "Exact", "client", sym=False, **exact)
+    assert done.returncode == 0, done.stderr
+    assert_is_serial(tmp_path, cloud, "exact", fetched=True)
+
+
+def test_a_client_of_pvserver(exact, cloud, tmp_path):
+    server = mpirun(tmp_path, program("pvserver"), "--multi-clients", "--server-port=0", **exact)
+    try:
+        port = next(found[1] for line in server.stdout if (found := re.search(r"Accepting connection.*:(\d+)", line)))
+        (tmp_path / "script.py").write_text(CHAIN)
+        done = subprocess.run(
+            [program("pvpython"), "script.py", "Exact", "client", port],
+            cwd=tmp_path, text=True, capture_output=True, timeout=SECONDS, env=environment(**exact),
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    finally:
+        server.terminate()
+        server.communicate(timeout=30)
+    assert_is_serial(tmp_path, cloud, "exact", fetched=True)
+
+
+def test_qhull_and_the_curve_skeleton_are_for_one_rank(tmp_path):
+    cloud = np.asarray(pyvista.read(SAMPLES / "bent_tube.vtp").points, float)
+    write_pieces(tmp_path, cloud)
+    script = (
+        CHAIN
+        + """
+curve = CurveSkeleton(Input=mesh)
+curve.UpdatePipeline()
+print(rank, "curve", curve.GetClientSideObject().GetOutputDataObject(0).GetNumberOfPoints())
+"""
+    )
+    done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
+    assert done.returncode == 0, done.stderr
+    n = len(cloud) + len(cloud[::50])  # some are in both pieces
+    assert (
+        f"DelaunayMesh: all {n} points are gathered to the first rank: only the exact engine gives one" in done.stderr
+    )
+    assert_is_serial(tmp_path, cloud, "qhull")
+    counts = dict(re.findall(r"(\d) curve (\d+)", done.stdout))
+    assert counts == {"0": str(len(curve_skeleton(triangulate(cloud, engine="qhull")))), "1": "0"}
+
+
+def test_what_one_rank_cannot_use_fails_on_both_with_its_words(cloud, tmp_path):
+    """The second rank's points hold a NaN; all end at once, and both say why."""
+    path = tmp_path / "piece1.vtp"
+    piece = pyvista.read(path)
+    piece.points[3] = np.nan
+    piece.save(path)
+    script = (
+        CHAIN.split("stages =")[0]
+        + """
+mesh.UpdatePipeline()
+print(mesh.GetClientSideObject().last_error)
+"""
+    )
+    started = time.monotonic()
+    done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
+    assert time.monotonic() - started < 60
+    assert done.stdout.count("expected finite coordinates below 1e+100, got 1 of") == 2
+    assert done.stdout.count("rank 1: expected finite") == 1
+
+
+def test_when_a_rank_is_killed_the_other_ends(tmp_path):
+    script = """
+import os, signal, sys, time
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
+sys.path.insert(0, sys.argv[1])
+from tetraskel.distributed.mpi import MpiCommunicator
+from vtkmodules.vtkParallelMPI4Py import vtkMPI4PyCommunicator
+controller = vtkMultiProcessController.GetGlobalController()
+comm = MpiCommunicator(vtkMPI4PyCommunicator.ConvertToPython(controller.GetCommunicator()))
+comm.agree()
+if comm.rank == 1:
+    os.kill(os.getpid(), signal.SIGKILL)
+comm.agree()
+"""
+    started = time.monotonic()
+    done = batch(tmp_path, script, ROOT / "filters")
+    assert time.monotonic() - started < 60
+    assert done.returncode != 0
+    assert re.search(rf"exited on signal {signal.SIGKILL.value}", done.stdout + done.stderr)
