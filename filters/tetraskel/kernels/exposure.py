@@ -24,7 +24,7 @@ SLENDER_POWER = 4
 # What counts as covered, as a share of the way from the ball to the width of the sheet: nothing but the ball for the
 # edges of plates, most of the sheet for limbs. An edge counts for this share of a limb, and at most so much.
 SHEETS = (0.0, 0.85)
-EDGE, EDGE_LIMIT = 0.6, 0.15
+EDGE, EDGE_LIMIT = 0.6, 0.055
 BUMP = (1.05, 1.2)  # ratio of distance to cover: below the first it is nothing, from the second on it counts in full
 
 
