@@ -8,10 +8,13 @@ import subprocess
 
 import pytest
 
-from paths import SHIM
+from paths import ROOT, SHIM
+from tetraskel.kernels.compilation import SWITCH
 
 REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"
 SECONDS = 300
+# what numba compiles for ParaView's own Python
+KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" / "numba-cache"))
 
 
 def program(name):
@@ -28,9 +31,12 @@ def skip_or_fail(reason):
 
 
 def environment(**more):
-    """Without this environment's own packages: ParaView brings its own VTK."""
+    """Without this environment's own packages: ParaView brings its own VTK.
+
+    Without numba, too, where a test does not ask for it: each home would compile everything anew.
+    """
     kept = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV", "DISPLAY")}
-    return {**kept, "PYTHONPATH": str(SHIM), **more}
+    return {**kept, "PYTHONPATH": str(SHIM), SWITCH: "0", **more}
 
 
 def finished(command, folder, more):

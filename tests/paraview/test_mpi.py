@@ -13,12 +13,11 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
-from programs import environment, program
+from programs import KEPT, environment, program
 from tetraskel import assemble_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
-from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, numba_is_used
+from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, SWITCH, numba_is_used
 
 NUMBA = os.environ.get(FOLDER, str(PLUGIN.parent / BESIDE))
-KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" / "numba-cache"))  # ParaView's own
 SECONDS = 240
 THRESHOLD = 0.1
 CHAIN = f"""
@@ -60,7 +59,7 @@ def exact(missing):
     """Numba for ParaView, and one place for what it compiles."""
     if not os.path.isdir(NUMBA) or not numba_is_used():
         missing("there is no numba for ParaView (make paraview-numba), or none here (the extra fast)")
-    return {FOLDER: NUMBA, CACHE: KEPT}
+    return {FOLDER: NUMBA, CACHE: KEPT, SWITCH: "1"}
 
 
 @pytest.fixture
@@ -200,7 +199,7 @@ curve.UpdatePipeline()
 print(rank, "curve", curve.GetClientSideObject().GetOutputDataObject(0).GetNumberOfPoints())
 """
     )
-    done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
+    done = batch(tmp_path, script, "Qhull", "sym", **{SWITCH: "0"})
     assert done.returncode == 0, done.stderr
     n = len(cloud) + len(cloud[::50])  # some are in both pieces
     assert (
@@ -225,7 +224,7 @@ print(mesh.GetClientSideObject().last_error)
 """
     )
     started = time.monotonic()
-    done = batch(tmp_path, script, "Qhull", "sym", TETRASKEL_NUMBA="0")
+    done = batch(tmp_path, script, "Qhull", "sym", **{SWITCH: "0"})
     assert time.monotonic() - started < 60
     assert done.stdout.count("expected finite coordinates below 1e+100, got 1 of") == 2
     assert done.stdout.count("rank 1: expected finite") == 1

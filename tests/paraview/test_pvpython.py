@@ -9,6 +9,7 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT, SAMPLES
+from programs import KEPT
 from tetraskel import (
     assemble_skeleton,
     bezier_skeleton,
@@ -23,7 +24,7 @@ from tetraskel import (
     triangulate,
 )
 from tetraskel.kernels.centres import circumballs
-from tetraskel.kernels.compilation import BESIDE, FOLDER, numba_is_used
+from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, SWITCH, numba_is_used
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import (
     BezierOptions,
@@ -80,7 +81,7 @@ def test_the_exact_engine_in_paraview(pvpython, tmp_path):
         pytest.skip("there is no numba for ParaView (make paraview-numba)")
     if not numba_is_used():
         pytest.skip("numba is not installed (the extra fast)")
-    done = pvpython(CHAIN, SAMPLES / "torus.vtp", "Exact", **{FOLDER: folder})
+    done = pvpython(CHAIN, SAMPLES / "torus.vtp", "Exact", **{FOLDER: folder, SWITCH: "1", CACHE: KEPT})
     assert done.returncode == 0, done.stderr
     assert_arrays_of_the_kernels(tmp_path, "exact")
 
