@@ -29,8 +29,8 @@ def mesh_of(sample):
     return triangulate(np.loadtxt(sample, delimiter=",", skiprows=1))
 
 
-def nodes(sample):
-    return len(build_tree(mesh_of(sample)))
+def tree_of(sample):
+    return build_tree(mesh_of(sample))
 
 
 def test_json_says_what_was_done(tmp_path, capsys):
@@ -38,9 +38,10 @@ def test_json_says_what_was_done(tmp_path, capsys):
     status, told, _ = run(capsys, "tree", CLOUD, out, "--json")
     assert status == 0
     assert told.count("\n") == 1
-    n, engine = nodes(CLOUD), mesh_of(CLOUD).engine
+    n, engine = len(tree_of(CLOUD)), mesh_of(CLOUD).engine
     counts = {"input": str(CLOUD), "output": str(out), "input_points": 20, "points": n, "lines": n - 1, "faces": 0}
     facts = {"Engine": engine, "InputPoints": 20, "DuplicatesMerged": 0, "Noise": 0.0, "Traversal": "breadth"}
+    facts |= {"Trees": 1, "Leaves": int((tree_of(CLOUD).son_count == 0).sum())}
     assert json.loads(told) == {**counts, "facts": facts}
 
 
@@ -72,7 +73,7 @@ def test_a_table_comes_from_standard_input(tmp_path, capsys, typed):
     status, out, _ = run(capsys, "tree", "-", tmp_path / "tree.vtp")
     assert status == 0
     assert out.startswith("-: 20 points -> ")
-    assert pyvista.read(tmp_path / "tree.vtp").n_points == nodes(CLOUD)
+    assert pyvista.read(tmp_path / "tree.vtp").n_points == len(tree_of(CLOUD))
 
 
 @pytest.mark.parametrize(

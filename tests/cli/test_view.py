@@ -15,6 +15,7 @@ import pytest
 import pyvista
 
 from paths import ENVIRONMENT, SAMPLES
+from programs import SCREEN
 from tetraskel.cli import main, page, picture
 from tetraskel.vtkfilters.convert import segments_of
 
@@ -167,7 +168,7 @@ def test_a_window_opens_on_a_display(made):
         "sys.exit(status or opened != [1])\n"
     )
     environment = {key: value for key, value in ENVIRONMENT.items() if key != "PYVISTA_OFF_SCREEN"}
-    command = ["xvfb-run", "-a", sys.executable, "-c", code]
+    command = ["xvfb-run", *SCREEN, sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, cwd=made, env=environment, timeout=120)
     assert done.returncode == 0, done.stderr
 

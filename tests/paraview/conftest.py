@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from paths import PLUGIN, ROOT
-from programs import finished, program, skip_or_fail
+from programs import SCREEN, finished, program, skip_or_fail
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def pvpython(tmp_path):
     def run(script, *arguments, screen=False, **more):
         file = tmp_path / "script.py"
         file.write_text(f"PLUGIN = {str(PLUGIN)!r}\nROOT = {str(ROOT)!r}\nfrom paraview.simple import *\n{script}")
-        start = [program("xvfb-run"), "-a"] if screen else []
+        start = [program("xvfb-run"), *SCREEN] if screen else []
         return finished([*start, executable, str(file), *map(str, arguments)], tmp_path, more)
 
     return run
@@ -40,7 +40,7 @@ def paraview(tmp_path):
         if script:
             (tmp_path / "script.py").write_text(f"from paraview.simple import *\n{script}")
             extra = [f"--script={tmp_path / 'script.py'}"]
-        command = [screen, "-a", "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
+        command = [screen, *SCREEN, "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
         command += [f"--test-directory={tmp_path}", f"--test-script={xml}", "--exit"]
         return finished(command, tmp_path, more)
 

@@ -167,7 +167,7 @@ def moving(clouds):
 
 
 def n_nodes(points):
-    return len(build_tree(triangulate(points)))
+    return len(build_tree(triangulate(points, engine="qhull")))  # ParaView has no numba here
 
 
 def test_each_block_has_a_tree_of_its_own(found, clouds):
@@ -231,4 +231,8 @@ def test_the_facts_are_those_of_the_filter(clouds):
     assert step.GetFoundLoops() == ""
     step.SetInputDataObject(0, pyvista.PolyData(clouds["first"]))
     step.run()
-    assert (step.GetFoundLoops(), step.GetFoundComponents(), step.GetFoundEngine()) == ("1", "1", "qhull")
+    assert (step.GetFoundLoops(), step.GetFoundComponents(), step.GetFoundEngine()) == (
+        "1",
+        "1",
+        triangulate(clouds["first"]).engine,
+    )

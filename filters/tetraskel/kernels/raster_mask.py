@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.medial_nodes import barycentric_frames, is_solid
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
@@ -67,6 +68,7 @@ def rasterise(
     """
     RasterInputOptions(resolution=resolution)
     expect_mesh(mesh)
+    expect_extent(mesh.points)
     labels = np.ones(len(mesh), bool) if inside is None else inside_by_labels(len(mesh), inside)
     cells = mesh.simplices[labels]
     if len(cells) == 0:
