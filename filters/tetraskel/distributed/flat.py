@@ -11,7 +11,6 @@ from tetraskel.distributed.forests import Family, ForestPart, Nodes, families_of
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-NO_NODE = np.iinfo(np.int64).max
 RANK, INDEX, DEPTH, TOP = range(4)  # what is passed down: the nearest kept node, its new depth, the orphan it is under
 
 

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.core import Core
 from tetraskel.kernels.exposure import FINEST, SAMPLE, Balls, Exposure, thinned
-from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips
+from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips, way_up
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.pruning import prune
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
 
 LEAST_EXCESS = 0.006  # of the diagonal: no branch reaches out of its parent's ball by less
 JOIN = 0.5  # a path joins a drawn node when it comes this close, in its radii
@@ -145,10 +146,8 @@ def _exposed_tips(parent: Ints, exposure: Exposure, start: Ints, diagonal: float
         if len(values) == 0:
             return np.array(tips, dtype=np.int64)
         best = int(values.argmax())
-        way = [int(exposure.ends[best])]
+        way = way_up(parent, int(exposure.ends[best]), seen)
         exposure.excess[:, best] = -np.inf
-        while way[-1] not in seen:
-            way.append(int(parent[way[-1]]))
         if len(way) > 1:
             tips.append(way[0])
             seen.update(way)
@@ -160,7 +159,7 @@ class _Drawing:
     """The branches of one component so far: `found` (significance, tip, edges).
 
     `drawn` tells for each node on it the significance of its branch, `ends` are the outer ends of the lines; `tips`
-    are all there are, the significant ones first, `n_roots` is 1 where everything began from a lone root.
+    are all there are, the significant ones first, `lone_root` says that everything began from one node.
     """
 
     def __init__(self, parent: Ints, balls: Balls, start: Ints, tips: Ints) -> None:
@@ -197,8 +196,7 @@ class _Drawing:
 
     def is_near_end(self, node: int) -> bool:
         """Does a line end near this node?"""
-        away = self.balls.positions[self.ends] - self.balls.positions[node]
-        return bool(((away**2).sum(axis=1) <= (NEAR_END * self.balls.radii[self.ends]) ** 2).any())
+        return bool(_within(self.balls, node, np.array(self.ends, dtype=np.int64), NEAR_END).any())
 
     def path_from(self, tip: int, most: float) -> Ints:
         """The nodes from a tip to the skeleton, cut back to where the rest pokes out by little, never `most`."""
@@ -207,10 +205,7 @@ class _Drawing:
 
     def _path_to_skeleton(self, tip: int) -> Ints:
         """To where the path enters a ball, then straight to its node."""
-        path = [tip]
-        while path[-1] not in self.drawn:
-            path.append(int(self.parent[path[-1]]))
-        nodes, positions = np.array(path), self.balls.positions
+        nodes, positions = np.array(way_up(self.parent, tip, self.drawn)), self.balls.positions
         away, nearest = Cloud(positions[self.kept]).query(positions[nodes])
         near = np.flatnonzero(away < JOIN * self.balls.radii[self.kept[nearest]])
         if len(near) == 0 or near[0] >= len(nodes) - 1:
@@ -231,16 +226,18 @@ class _Drawing:
         balls, end, back = self.balls, int(line[0]), _heading(self.balls, line)
         for tip in tips.tolist():
             path = self.path_from(tip, np.inf) if tip not in self.drawn else np.empty(0, np.int64)
-            if len(path) < 2 or not self._is_within(int(path[-1]), end):
+            if len(path) < 2 or not _within(balls, path[-1], end, JOIN):
                 continue
             path = np.append(path[:-1], end)
             if _heading(balls, path[::-1]) @ back <= -FACING:
                 return path
         return np.empty(0, np.int64)
 
-    def _is_within(self, node: int, end: int) -> bool:
-        away = self.balls.positions[node] - self.balls.positions[end]
-        return bool((away**2).sum() <= (JOIN * self.balls.radii[end]) ** 2)
+
+def _within(balls: Balls, node: int, ends: int | Ints, share: float) -> Bools:
+    """Whether a node lies within so many radii of each end."""
+    away = balls.positions[ends] - balls.positions[node]
+    return np.asarray((away**2).sum(axis=-1) <= (share * balls.radii[ends]) ** 2)
 
 
 def _heading(balls: Balls, path: Ints) -> Floats:

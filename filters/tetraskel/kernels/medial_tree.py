@@ -6,6 +6,7 @@ other there): paths run along the ridges of the strength, in a plate along its m
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from heapq import heappop, heappush
 
@@ -155,6 +156,14 @@ def _crossed_loop(sequence, parent, parent_edge, crossings, values):  # type: ig
     for node in sequence:
         if parent[node] >= 0:
             values[node] = values[parent[node]] ^ crossings[parent_edge[node]]
+
+
+def way_up(parent: Ints, node: int, known: Container[int]) -> list[int]:
+    """A node and those above it, up to the first that is known; that is the last."""
+    way = [node]
+    while way[-1] not in known:
+        way.append(int(parent[way[-1]]))
+    return way
 
 
 def lengths_and_tips(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick
 from tetraskel.kernels.exposure import Balls, in_covers, significance, thinned
+from tetraskel.kernels.medial_tree import way_up
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -116,9 +117,7 @@ def trails(parent: Ints, start: Ints, tips: Ints) -> list[Ints]:
     seen = set(start.tolist())
     found = list[Ints]()
     for tip in tips.tolist():
-        way = [tip]
-        while way[-1] not in seen:
-            way.append(int(parent[way[-1]]))
+        way = way_up(parent, tip, seen)
         seen.update(way)
         found.append(np.array(way, dtype=np.int64))
     return found
