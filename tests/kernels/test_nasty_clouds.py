@@ -9,10 +9,10 @@ import contracts
 import tetraskel
 from nasty import Nasty
 from tetraskel import InputError
-from tetraskel.kernels import medial_nodes
+from tetraskel.kernels import medial_nodes, walking
+from tetraskel.kernels.barycentric import barycentric_coordinates
 from tetraskel.kernels.centres import inscribed_weights
 from tetraskel.kernels.inside_check import _follow
-from tetraskel.kernels.medial_nodes import barycentric_coordinates
 from tetraskel.kernels.passage_widths import triangle_widths
 
 FOUND = {
@@ -64,12 +64,12 @@ def test_nodes_lie_where_they_say():
 
 def test_walks_that_circle_end_soon(monkeypatch):
     inner, rounds = clusters().inner, []
-    step = medial_nodes._step
-    monkeypatch.setattr(medial_nodes, "_step", lambda *given: rounds.append(1) or step(*given))
+    step = walking._step
+    monkeypatch.setattr(walking, "_step", lambda *given: rounds.append(1) or step(*given))
     n = len(inner.simplices)
     centres, _, seen_through = medial_nodes.circumcentres(inner.coordinates, inner.simplices)
     away = np.flatnonzero(seen_through >= 0)
-    medial_nodes.walk_to(inner.coordinates, inner.simplices, inner.neighbors, np.arange(n)[away], centres[away])
+    walking.walk_to(inner.coordinates, inner.simplices, inner.neighbors, np.arange(n)[away], centres[away])
     assert 0 < len(rounds) < 200
 
 

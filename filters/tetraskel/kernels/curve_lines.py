@@ -12,7 +12,8 @@ from tetraskel.kernels.chains import Chains
 from tetraskel.kernels.curve_skeleton import line_edges
 from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.inside_check import facets_between, stays_inside
-from tetraskel.kernels.medial_nodes import MedialNodes, walk_to
+from tetraskel.kernels.medial_nodes import MedialNodes
+from tetraskel.kernels.walking import walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import ON_FACET, barycentric_coordinates
 from tetraskel.kernels.inner_mesh import InnerMesh
-from tetraskel.kernels.medial_nodes import ON_FACET, barycentric_coordinates, walk_to
+from tetraskel.kernels.walking import walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

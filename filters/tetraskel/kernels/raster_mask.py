@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
+from tetraskel.kernels.barycentric import barycentric_frames, is_solid
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.interior import inside_by_labels
-from tetraskel.kernels.medial_nodes import barycentric_frames, is_solid
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.options import RasterInputOptions
 

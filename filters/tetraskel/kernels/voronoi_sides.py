@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.medial_nodes import LONGEST_WALK, barycentric_coordinates, walk_to
+from tetraskel.kernels.barycentric import barycentric_coordinates
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import found_in
+from tetraskel.kernels.walking import LONGEST_WALK, walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
