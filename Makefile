@@ -54,7 +54,7 @@ bench: $(READY)
 # beside other programs, which get an environment of their own; MESHES is a folder of closed meshes (.obj)
 compare: $(READY) .venv-peers/ready
 	PYTHONPATH=filters $(BIN)/python benchmarks/peers/run.py --python .venv-peers/bin/python --out docs \
-	    $(if $(MESHES),--meshes $(MESHES)) $(if $(OBJECTS),--objects "$(OBJECTS)") $(if $(SIZES),--sizes $(SIZES))
+	    $(if $(MESHES),--meshes $(MESHES)) $(if $(OBJECTS),--objects "$(OBJECTS)") $(if $(SIZES),--sizes $(SIZES)) $(if $(SECONDS),--seconds $(SECONDS))
 
 .venv-peers/ready: benchmarks/peers/requirements.txt
 	$(PYTHON) -m venv .venv-peers
