@@ -164,6 +164,7 @@ class _Drawing:
 
     def __init__(self, parent: Ints, balls: Balls, start: Ints, tips: Ints) -> None:
         self.parent, self.balls, self.tips, self.kept = parent, balls, tips, start
+        self._cloud: Cloud | None = None  # of the nodes kept
         self.drawn = dict.fromkeys(start.tolist(), np.inf)
         self.ends: list[int] = []
         self.found: list[tuple[float, int, Ints]] = []
@@ -193,6 +194,7 @@ class _Drawing:
     def _draw(self, path: Ints, worth: float) -> None:
         self.drawn.update(dict.fromkeys(path[:-1].tolist(), worth))
         self.kept = np.concatenate([self.kept, path[:-1]])
+        self._cloud = None
 
     def is_near_end(self, node: int) -> bool:
         """Does a line end near this node?"""
@@ -206,7 +208,8 @@ class _Drawing:
     def _path_to_skeleton(self, tip: int) -> Ints:
         """To where the path enters a ball, then straight to its node."""
         nodes, positions = np.array(way_up(self.parent, tip, self.drawn)), self.balls.positions
-        away, nearest = Cloud(positions[self.kept]).query(positions[nodes])
+        self._cloud = self._cloud or Cloud(positions[self.kept])
+        away, nearest = self._cloud.query(positions[nodes])
         near = np.flatnonzero(away < JOIN * self.balls.radii[self.kept[nearest]])
         if len(near) == 0 or near[0] >= len(nodes) - 1:
             return nodes

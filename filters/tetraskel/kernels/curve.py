@@ -18,7 +18,7 @@ from tetraskel.kernels.core import Core, loop_core
 from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.dual_complex import DualComplex, dual_complex
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex, inner_facets
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import inside_of_object
@@ -27,7 +27,7 @@ from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.nearest import Cloud
-from tetraskel.kernels.passage_widths import passage_widths
+from tetraskel.kernels.passage_widths import widths_of_facets
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 
@@ -157,8 +157,8 @@ def curve_model(
         )
     tick(0.25)
     nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.55))
-    widths = _facet_widths(inner)
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.54))
+    widths = _facet_widths(inner, part(tick, 0.54, 0.55))
     collapse = collapse_to_graph(cells, widths, part(tick, 0.55, 0.65))
     check_homotopy(cells, collapse)
     loops = find_loops(
@@ -180,10 +180,9 @@ def curve_model(
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
 
 
-def _facet_widths(inner: InnerMesh) -> Floats:
+def _facet_widths(inner: InnerMesh, tick: Tick) -> Floats:
     """Passage width of each 1-cell of the dual complex, in its order."""
-    cells, opposite = np.nonzero(inner.neighbors > np.arange(len(inner.simplices))[:, None])
-    return passage_widths(inner.coordinates, inner.simplices)[cells, opposite]
+    return widths_of_facets(inner.coordinates, inner_facets(inner.simplices, inner.neighbors)[1], tick)
 
 
 def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:

@@ -70,9 +70,7 @@ def dual_complex(simplices: Ints, neighbors: Ints, n_points: int, tick: Tick = s
     n_points : int
     """
     m, width = simplices.shape
-    cells, opposite = np.nonzero(neighbors > np.arange(m)[:, None])
-    facets = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
-    corners = _without(simplices[cells], opposite)
+    facets, corners = inner_facets(simplices, neighbors)
     tick(0.2)
     outer_cells, outer_opposite = np.nonzero(neighbors < 0)
     outer = _without(simplices[outer_cells], outer_opposite)
@@ -89,6 +87,16 @@ def dual_complex(simplices: Ints, neighbors: Ints, n_points: int, tick: Tick = s
     used[simplices] = True
     inner = np.flatnonzero(used & ~on_boundary) if width == 4 else np.empty(0, np.int64)
     return DualComplex(m, facets, facet_ridges, ring_start, ring_facets, points, inner)
+
+
+def inner_facets(simplices: Ints, neighbors: Ints) -> tuple[NDArray[np.int32], Ints]:
+    """The two simplices (f, 2) of each facet between simplices, smaller id first, and its points (f, d), ascending.
+
+    In lexicographic order of (first simplex, vertex opposite).
+    """
+    cells, opposite = np.nonzero(neighbors > np.arange(len(neighbors))[:, None])
+    facets = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
+    return facets, _without(simplices[cells], opposite)
 
 
 def _without(simplices: Ints, column: Ints) -> Ints:

@@ -7,6 +7,7 @@ same to the last bit.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.background import wait_for
-from tetraskel.kernels.chunks import Tick
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.compilation import compiled, numba_is_used
 
 
@@ -50,6 +51,34 @@ def run_loop(
     wait_for(lambda: loop(*plain, *lists), tick, 50 * expected_seconds)
     for values, result in zip(outputs, lists, strict=True):
         values[:] = result
+
+
+def run_compiled(
+    name: str, constants: Sequence[Any], inputs: Sequence[NDArray], outputs: Sequence[NDArray], tick: Tick = silent
+) -> bool:
+    """Call `tetrahedron_loops.<name>(*constants, *inputs, *outputs)` piece by piece, on every core; False without numba.
+
+    Parameters
+    ----------
+    name : str
+    constants : sequence of arrays or numbers
+        Given to every call as they are.
+    inputs, outputs : sequences of (n, ...) arrays
+        Cut into the same pieces.
+    tick : callable
+        Told the share of work done; may raise `Aborted`.
+    """
+    if not numba_is_used():
+        return False
+    loop = _compiled(getattr(importlib.import_module("tetraskel.kernels.tetrahedron_loops"), name))
+
+    def work(piece: slice) -> None:
+        loop(*constants, *(values[piece] for values in inputs), *(values[piece] for values in outputs))
+
+    if not loop.signatures:
+        wait_for(lambda: work(slice(0, 0)), tick, 1.0)  # compiles
+    for_chunks(work, len(outputs[0]), tick)
+    return True
 
 
 @cache
