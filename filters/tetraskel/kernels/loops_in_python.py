@@ -1,6 +1,6 @@
 """Loops that no array operation replaces: compiled by numba where it is installed, plain Python where it is not.
 
-A loop is written once, in the subset of Python that both run: it indexes flat sequences of numbers, uses `heapq`,
+A loop is written once, in the subset of Python that both run: it indexes flat sequences of numbers, uses `heaps`,
 and writes its results into sequences it is given. Compiled it sees arrays, else lists, and the numbers are the
 same to the last bit.
 """
@@ -83,11 +83,10 @@ def run_compiled(
 
 @cache
 def _compiled(loop: Callable[..., None]) -> Any:
+    importlib.import_module("tetraskel.kernels.compiled_heaps")
     return compiled(loop)
 
 
 def _one_kind(values: Any) -> Any:
-    """Whole numbers as 64-bit integers: one compiled version serves all."""
-    return (
-        values.astype(np.int64, copy=False) if isinstance(values, np.ndarray) and values.dtype.kind == "i" else values
-    )
+    """Contiguous arrays: one compiled version serves all."""
+    return np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values
