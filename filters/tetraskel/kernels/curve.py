@@ -18,7 +18,7 @@ from tetraskel.kernels.core import Core, loop_core
 from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.dual_complex import DualComplex, dual_complex, inner_facets
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_and_boundary
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import inside_of_object
@@ -182,7 +182,8 @@ def curve_model(
 
 def _facet_widths(inner: InnerMesh, tick: Tick) -> Floats:
     """Passage width of each 1-cell of the dual complex, in its order."""
-    return widths_of_facets(inner.coordinates, inner_facets(inner.simplices, inner.neighbors)[1], tick)
+    corners = facets_and_boundary(inner.simplices, inner.neighbors, part(tick, 0.0, 0.5))[1]
+    return widths_of_facets(inner.coordinates, corners, part(tick, 0.5, 1.0))
 
 
 def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:

@@ -70,7 +70,7 @@ def run_compiled(
     """
     if not numba_is_used():
         return False
-    loop = _compiled(getattr(importlib.import_module("tetraskel.kernels.tetrahedron_loops"), name))
+    loop = _of_tetrahedra(name)
 
     def work(piece: slice) -> None:
         loop(*constants, *(values[piece] for values in inputs), *(values[piece] for values in outputs))
@@ -79,6 +79,17 @@ def run_compiled(
         wait_for(lambda: work(slice(0, 0)), tick, 1.0)  # compiles
     for_chunks(work, len(outputs[0]), tick)
     return True
+
+
+def call_compiled(name: str, arguments: Sequence[Any], tick: Tick, expected_seconds: float) -> Any:
+    """The result of `tetrahedron_loops.<name>(*arguments)`; None without numba. `tick` as in `run_loop`."""
+    if not numba_is_used():
+        return None
+    return wait_for(lambda: _of_tetrahedra(name)(*map(_one_kind, arguments)), tick, expected_seconds)
+
+
+def _of_tetrahedra(name: str) -> Any:
+    return _compiled(getattr(importlib.import_module("tetraskel.kernels.tetrahedron_loops"), name))
 
 
 @cache
