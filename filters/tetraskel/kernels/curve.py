@@ -148,8 +148,8 @@ def curve_model(
     """
     expect_mesh(mesh)
     expect_extent(mesh.points)
-    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.25))
-    inner = inner_mesh(mesh, labels)
+    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.22))
+    inner = inner_mesh(mesh, labels, part(tick, 0.22, 0.25))
     if len(inner.simplices) == 0 and len(mesh.points):
         raise InputError(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "

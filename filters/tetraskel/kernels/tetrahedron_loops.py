@@ -252,3 +252,58 @@ def rings(corners, outer, n_points):
                 ring_start[ridge] = n_in_rings
             first = last + 1
     return facet_ridges, ring_start[: ridge + 1].copy(), ring_facets[:n_in_rings].copy(), ridge_points[:ridge].copy()
+
+
+@inner
+def _sort_by_columns(keys, last, cells, start, stop):
+    """Sort a part of three arrays by the first, then by the second; see `_sort`."""
+    gap = 1
+    while 2.25 * gap < stop - start:
+        gap = int(2.25 * gap) + 1
+    while gap > 0:
+        for i in range(start + gap, stop):
+            key, tail, cell, j = keys[i], last[i], cells[i], i
+            while j >= start + gap and (keys[j - gap] > key or (keys[j - gap] == key and last[j - gap] > tail)):
+                keys[j], last[j], cells[j] = keys[j - gap], last[j - gap], cells[j - gap]
+                j -= gap
+            keys[j], last[j], cells[j] = key, tail, cell
+        gap = int(gap / 2.25)
+
+
+@inner
+def _ranked(simplices, cell, number, row, slots):
+    """The new numbers of a simplex' points in ascending order, and where in it they are."""
+    for k in range(4):
+        value, j = number[simplices[cell, k]], k
+        while j > 0 and row[j - 1] > value:
+            row[j], slots[j] = row[j - 1], slots[j - 1]
+            j -= 1
+        row[j], slots[j] = value, k
+
+
+def chosen_simplices(simplices, neighbors, cells, number, n_points):
+    """See `inner_mesh.chosen_simplices`."""
+    row, slots = np.empty(4, np.int64), np.empty(4, np.int64)
+    start = np.zeros(n_points + 2, np.int64)
+    for cell in cells:
+        _ranked(simplices, cell, number, row, slots)
+        start[row[0] + 2] += 1
+    for point in range(n_points):
+        start[point + 2] += start[point + 1]
+    keys, last, order = np.empty(len(cells), np.int64), np.empty(len(cells), np.int32), np.empty(len(cells), np.int32)
+    for cell in cells:
+        _ranked(simplices, cell, number, row, slots)
+        place = start[row[0] + 1]
+        start[row[0] + 1] += 1
+        keys[place], last[place], order[place] = (row[1] << 32) | row[2], row[3], cell
+    for point in range(n_points):
+        _sort_by_columns(keys, last, order, start[point], start[point + 1])
+    new_id = np.full(len(simplices) + 1, -1, np.int32)  # the last for "no neighbour"
+    for i in range(len(order)):
+        new_id[order[i]] = i
+    new_simplices, new_neighbors = np.empty((len(cells), 4), np.int32), np.empty((len(cells), 4), np.int32)
+    for i in range(len(order)):
+        _ranked(simplices, order[i], number, row, slots)
+        for k in range(4):
+            new_simplices[i, k], new_neighbors[i, k] = row[k], new_id[neighbors[order[i], slots[k]]]
+    return new_simplices, new_neighbors
