@@ -96,8 +96,18 @@ def _ridges_below_inner_points(cells: DualComplex) -> Ints:
 
 
 def _collapse_loop(  # type: ignore[no-untyped-def]
-    rank, facet_at, ring_start, ring_facets, facet_ridges, per_facet,
-    ridge_alive, facet_alive, facets, ridges, counts, around,
+    rank,
+    facet_at,
+    ring_start,
+    ring_facets,
+    facet_ridges,
+    per_facet,
+    ridge_alive,
+    facet_alive,
+    facets,
+    ridges,
+    counts,
+    around,
 ):
     """Collapse 2-cells through free 1-cells, smallest rank first; puncture where nothing is free."""
     n_facets, n_free = len(rank), 0
