@@ -10,16 +10,16 @@ from heapq import heappop, heappush
 from typing import Any
 
 
-def make_heap(room: int, key: float) -> tuple[list[tuple[Any, int]], None]:  # noqa: ARG001
+def make_heap(room: int, key: float) -> tuple[list[tuple[Any, int]], None]:
     """An empty heap, as `keys` and `values`, for at most `room` pairs with keys of the type of `key`."""
     return [], None
 
 
-def push(keys: Any, values: Any, size: int, key: Any, value: int) -> None:  # noqa: ARG001
+def push(keys: Any, values: Any, size: int, key: Any, value: int) -> None:
     """Put in a pair beside `size` others."""
     heappush(keys, (key, value))
 
 
-def pop(keys: Any, values: Any, size: int) -> tuple[Any, int]:  # noqa: ARG001
+def pop(keys: Any, values: Any, size: int) -> tuple[Any, int]:
     """Take the smallest pair of `size` out."""
     return heappop(keys)

@@ -81,7 +81,7 @@ def chosen_simplices(mesh: Triangulation, cells: Ints, number: Ints, tick: Tick)
         arguments = (mesh.simplices, mesh.neighbors, cells, number, len(number))
         found = call_compiled("chosen_simplices", arguments, tick, SECONDS_PER_CELL * len(cells))
         if found is not None:
-            return found  # type: ignore[no-any-return]
+            return found
     simplices = number[mesh.simplices[cells]]
     order = _order_of(simplices)
     place = np.full(len(mesh) + 1, -1, np.int32)  # the last for "no neighbour"

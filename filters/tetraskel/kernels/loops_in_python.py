@@ -56,7 +56,7 @@ def run_loop(
 def run_compiled(
     name: str, constants: Sequence[Any], inputs: Sequence[NDArray], outputs: Sequence[NDArray], tick: Tick = silent
 ) -> bool:
-    """Call `tetrahedron_loops.<name>(*constants, *inputs, *outputs)` piece by piece, on every core; False without numba.
+    """Call `tetrahedron_loops.<name>(*constants, *inputs, *outputs)` in pieces, on every core; False without numba.
 
     Parameters
     ----------
