@@ -81,18 +81,16 @@ def dual_complex(simplices: Ints, neighbors: Ints, n_points: int, tick: Tick = s
     arguments = (corners, outer, n_points)
     found = call_compiled("rings", arguments, part(tick, 0.3, 1.0), RING_SECONDS * len(corners)) if width == 4 else None
     if found is None:
-        keys, open_keys = corners, np.flatnonzero(on_boundary)
-        if width == 4:
-            keys, open_keys = edge_keys(corners), np.unique(edge_keys(outer))
-        *rings, closed = _rings(keys, open_keys, part(tick, 0.3, 1.0))
+        keys: Ints = corners if width == 3 else edge_keys(corners)
+        open_keys: Ints = np.flatnonzero(on_boundary) if width == 3 else np.unique(edge_keys(outer))
+        ridges, start, around, closed = _rings(keys, open_keys, part(tick, 0.3, 1.0))
         points = closed[:, None] if width == 3 else np.stack(np.divmod(closed, np.int64(1) << 32), axis=1)
-        found = *rings, points
-    return DualComplex(m, facets, *found, inner)
+        found = ridges, start, around, points
+    facet_ridges, ring_start, ring_facets, ridge_points = found
+    return DualComplex(m, facets, facet_ridges, ring_start, ring_facets, ridge_points, inner)
 
 
-def facets_and_boundary(
-    simplices: Ints, neighbors: Ints, tick: Tick = silent
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+def facets_and_boundary(simplices: Ints, neighbors: Ints, tick: Tick = silent) -> tuple[NDArray[np.int32], Ints, Ints]:
     """The facets between simplices, and those on the boundary.
 
     Parameters
@@ -113,7 +111,7 @@ def facets_and_boundary(
     if simplices.shape[1] == 4:
         found = call_compiled("facets_of", (simplices, neighbors), tick, FACET_SECONDS * len(simplices))
         if found is not None:
-            return found  # type: ignore[no-any-return]
+            return found
     cells, opposite = np.nonzero(neighbors > np.arange(len(neighbors), dtype=neighbors.dtype)[:, None])
     facets = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
     corners = _without(simplices[cells], opposite)
