@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.core import Core
-from tetraskel.kernels.exposure import FINEST, SAMPLE, Balls, Exposure, thinned
+from tetraskel.kernels.exposure import FINEST, SAMPLE, Balls, Exposure, distances, thinned_places
 from tetraskel.kernels.medial_tree import MedialTree, lengths_and_tips, way_up
 from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.pruning import prune
@@ -164,6 +164,8 @@ class _Drawing:
 
     def __init__(self, parent: Ints, balls: Balls, start: Ints, tips: Ints) -> None:
         self.parent, self.balls, self.tips, self.kept = parent, balls, tips, start
+        self._cloud: Cloud | None = None  # of the nodes kept
+        self.places = balls.positions[tips]
         self.drawn = dict.fromkeys(start.tolist(), np.inf)
         self.ends: list[int] = []
         self.found: list[tuple[float, int, Ints]] = []
@@ -193,6 +195,7 @@ class _Drawing:
     def _draw(self, path: Ints, worth: float) -> None:
         self.drawn.update(dict.fromkeys(path[:-1].tolist(), worth))
         self.kept = np.concatenate([self.kept, path[:-1]])
+        self._cloud = None
 
     def is_near_end(self, node: int) -> bool:
         """Does a line end near this node?"""
@@ -206,7 +209,8 @@ class _Drawing:
     def _path_to_skeleton(self, tip: int) -> Ints:
         """To where the path enters a ball, then straight to its node."""
         nodes, positions = np.array(way_up(self.parent, tip, self.drawn)), self.balls.positions
-        away, nearest = Cloud(positions[self.kept]).query(positions[nodes])
+        self._cloud = self._cloud or Cloud(positions[self.kept])
+        away, nearest = self._cloud.query(positions[nodes])
         near = np.flatnonzero(away < JOIN * self.balls.radii[self.kept[nearest]])
         if len(near) == 0 or near[0] >= len(nodes) - 1:
             return nodes
@@ -215,10 +219,10 @@ class _Drawing:
     def _tips_ahead(self, line: Ints) -> Ints:
         """Some tips beyond the first node of a line, the farthest ahead first."""
         balls, end = self.balls, int(line[0])
-        ways = balls.positions[self.tips] - balls.positions[end]
+        ways = self.places - balls.positions[end]
         ahead = -(ways @ _heading(balls, line))
         near = np.flatnonzero(((ways**2).sum(axis=1) < (ONWARDS * balls.radii[end]) ** 2) & (ahead > 0))
-        order = np.argsort(-(ahead + balls.radii[self.tips])[near], kind="stable")
+        order = np.argsort(-(ahead[near] + balls.radii[self.tips[near]]), kind="stable")
         return self.tips[near[order[:TRIED]]]
 
     def _onwards(self, line: Ints, tips: Ints) -> Ints:
@@ -250,10 +254,9 @@ def _heading(balls: Balls, path: Ints) -> Floats:
 
 def _end_of_tip(balls: Balls, path: Ints, most: float) -> int:
     """Where to cut a path that begins at its tip: what is cut pokes out of the ball there by little, never `most`."""
-    sparse = thinned(balls, path, FINE_SAMPLE)
-    where = np.flatnonzero(np.isin(path, sparse))
-    positions, radii = balls.positions[sparse], balls.radii[sparse]
-    away = np.sqrt(((positions[:, None] - positions[None]) ** 2).sum(axis=2))
+    where = thinned_places(balls, path, FINE_SAMPLE) if len(path) > 2 else np.arange(len(path))
+    positions, radii = balls.positions[path[where]], balls.radii[path[where]]
+    away = distances(positions, positions)
     out = np.tril(away + radii[None] - radii[:, None], -1).max(axis=1)  # (q,) of everything nearer to the tip than q
     first, last = (int(np.flatnonzero(out <= np.minimum(share * radii, most))[-1]) for share in TIP)
     return int(where[_straight_on(positions, radii, first, last)])

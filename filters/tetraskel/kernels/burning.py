@@ -12,7 +12,6 @@ the zigzag of small sheets, and so with the density of the samples.
 from __future__ import annotations
 
 import math
-from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.collapse import _ridges_below_inner_points
 from tetraskel.kernels.dual_complex import DualComplex
+from tetraskel.kernels.heaps import make_heap, pop, push
 from tetraskel.kernels.loops_in_python import run_loop
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,7 @@ def burn_times(cells: DualComplex, positions: Floats, radii: Floats, tick: Tick 
             middles.ravel(),
             start,
         ),
-        (burned, alive),
+        (burned, alive, np.zeros(len(ends), np.int8), np.arange(len(ends), dtype=np.int32), np.zeros(len(ends), bool)),
         tick,
         SECONDS_PER_FACET * len(ends),
     )
@@ -66,24 +66,22 @@ def burn_times(cells: DualComplex, positions: Floats, radii: Floats, tick: Tick 
 
 
 def _burn_loop(  # type: ignore[no-untyped-def]
-    ring_start, ring_facets, facet_ridges, per_facet, middles, start, burned, alive
+    ring_start, ring_facets, facet_ridges, per_facet, middles, start, burned, alive, around, source, final
 ):
-    n_facets = len(start)
-    around = [0] * n_facets
-    source = [0] * n_facets
-    final = [False] * n_facets
+    n_facets, n_fires = len(start), 0
+    times, places = make_heap(n_facets + len(ring_facets), 0.0)
     for f in range(n_facets):
-        source[f] = f
         for k in range(f * per_facet, f * per_facet + per_facet):
             r = facet_ridges[k]
             if r >= 0 and alive[r]:
                 around[f] += 1
-    fires = [(start[f], f) for f in range(n_facets) if around[f] <= 1]
-    for _, f in fires:
-        burned[f] = start[f]
-    heapify(fires)
-    while len(fires) > 0:
-        time, f = heappop(fires)
+        if around[f] <= 1:
+            burned[f] = start[f]
+            push(times, places, n_fires, start[f], f)
+            n_fires += 1
+    while n_fires > 0:
+        time, f = pop(times, places, n_fires)
+        n_fires -= 1
         if final[f] or time > burned[f]:
             continue
         final[f] = True
@@ -96,13 +94,14 @@ def _burn_loop(  # type: ignore[no-untyped-def]
             for j in range(ring_start[r], ring_start[r + 1]):
                 g = ring_facets[j]
                 around[g] -= 1
-                if final[g]:
+                if final[g] or around[g] > 1:
                     continue
                 dx = middles[3 * g] - middles[s]
                 dy = middles[3 * g + 1] - middles[s + 1]
                 dz = middles[3 * g + 2] - middles[s + 2]
                 arrival = max(time, start[source[f]] + math.sqrt(dx * dx + dy * dy + dz * dz))
-                if around[g] <= 1 and arrival < burned[g]:
+                if arrival < burned[g]:
                     burned[g] = arrival
                     source[g] = source[f]
-                    heappush(fires, (arrival, g))
+                    push(times, places, n_fires, arrival, g)
+                    n_fires += 1

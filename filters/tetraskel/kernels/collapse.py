@@ -8,13 +8,13 @@ the narrowest passage first, so that what is left runs where the object is wide.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.dual_complex import DualComplex
+from tetraskel.kernels.heaps import make_heap, pop, push
 from tetraskel.kernels.loops_in_python import run_loop
 
 Floats = NDArray[np.float64]
@@ -56,15 +56,16 @@ def collapse_to_graph(cells: DualComplex, widths: Floats, tick: Tick = silent) -
     ridge_alive = np.ones(cells.n_ridges, np.int8)
     ridge_alive[_ridges_below_inner_points(cells)] = 0
     order = np.argsort(widths, kind="stable")
-    rank = np.empty(len(order), np.int64)
-    rank[order] = np.arange(len(order))
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
     facet_alive = np.ones(len(rank), np.int8)
-    facets, ridges = np.empty(cells.n_ridges, np.int64), np.empty(cells.n_ridges, np.int64)
+    facets, ridges = np.empty(cells.n_ridges, np.int32), np.empty(cells.n_ridges, np.int32)
+    around = np.zeros(len(rank), np.int8)
     counts = np.zeros(2, np.int64)
     run_loop(
         _collapse_loop,
         (rank, order, cells.ring_start, cells.ring_facets, cells.facet_ridges.ravel(), cells.facet_ridges.shape[1]),
-        (ridge_alive, facet_alive, facets, ridges, counts),
+        (ridge_alive, facet_alive, facets, ridges, counts, around),
         tick,
         SECONDS_PER_FACET * len(rank),
     )
@@ -95,23 +96,36 @@ def _ridges_below_inner_points(cells: DualComplex) -> Ints:
 
 
 def _collapse_loop(  # type: ignore[no-untyped-def]
-    rank, facet_at, ring_start, ring_facets, facet_ridges, per_facet, ridge_alive, facet_alive, facets, ridges, counts
+    rank,
+    facet_at,
+    ring_start,
+    ring_facets,
+    facet_ridges,
+    per_facet,
+    ridge_alive,
+    facet_alive,
+    facets,
+    ridges,
+    counts,
+    around,
 ):
     """Collapse 2-cells through free 1-cells, smallest rank first; puncture where nothing is free."""
-    n_facets = len(rank)
-    around = [0] * n_facets
+    n_facets, n_free = len(rank), 0
+    free, of_rank = make_heap(n_facets, 1)
     for f in range(n_facets):
         for k in range(f * per_facet, f * per_facet + per_facet):
             r = facet_ridges[k]
             if r >= 0 and ridge_alive[r]:
                 around[f] += 1
-    free = [rank[f] for f in range(n_facets) if around[f] == 1]
-    heapify(free)
+        if around[f] == 1:
+            push(free, of_rank, n_free, rank[f], f)
+            n_free += 1
     done, punctures, narrowest = 0, 0, 0
     while True:
         facet = -1
-        if len(free) > 0:
-            facet = facet_at[heappop(free)]
+        if n_free > 0:
+            _, facet = pop(free, of_rank, n_free)
+            n_free -= 1
             if around[facet] != 1:
                 continue
         else:
@@ -137,6 +151,7 @@ def _collapse_loop(  # type: ignore[no-untyped-def]
             f = ring_facets[k]
             around[f] -= 1
             if around[f] == 1:
-                heappush(free, rank[f])
+                push(free, of_rank, n_free, rank[f], f)
+                n_free += 1
     counts[0] = done
     counts[1] = punctures

@@ -142,11 +142,12 @@ def _cache_folder(numba: ModuleType) -> Iterator[None]:
 def cache_folder() -> Path:
     """A writable folder for compiled code: numba's own choice, else beside the source, the user's, or a temporary one.
 
-    Its last part is a function of the exact engine's source: numba looks only at the file of the outermost function to
-    see whether what it kept is out of date, and the engine has many files.
+    Its last part is a function of the source of the exact engine and of what other loops call or take constants from:
+    numba looks only at the file of the outermost function to see whether what it kept is out of date.
     """
     version = hashlib.sha256()
-    for file in [Path(__file__), *sorted((KERNELS / "exact").glob("*.py"))]:
+    shared = [KERNELS / name for name in ("compiled_heaps.py", "barycentric.py", "passage_widths.py")]
+    for file in [Path(__file__), *shared, *sorted((KERNELS / "exact").glob("*.py"))]:
         version.update(file.read_bytes())
     name = f"tetraskel-{version.hexdigest()[:16]}"
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/.cache")

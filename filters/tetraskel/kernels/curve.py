@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
+from tetraskel.kernels.background import begin
 from tetraskel.kernels.branches import Branches, grow_branches
-from tetraskel.kernels.burning import burn_times
+from tetraskel.kernels.burning import SECONDS_PER_FACET, burn_times
 from tetraskel.kernels.chains import merge_close_junctions, trace_chains
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.collapse import Collapse, collapse_to_graph
@@ -18,7 +20,7 @@ from tetraskel.kernels.core import Core, loop_core
 from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.dual_complex import DualComplex, dual_complex
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_and_boundary
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import inside_of_object
@@ -27,7 +29,7 @@ from tetraskel.kernels.medial_nodes import MedialNodes, facing, medial_nodes
 from tetraskel.kernels.medial_tree import medial_tree
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.nearest import Cloud
-from tetraskel.kernels.passage_widths import passage_widths
+from tetraskel.kernels.passage_widths import widths_of_facets
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import CurveOptions
 
@@ -66,6 +68,20 @@ class CurveModel:
     loops: Loops
     cavities: int
     anchors: Ints
+
+    @cached_property
+    def first_facets(self) -> Floats:
+        """(c, d) barycentre of the boundary facet of each component that comes first by its coordinates."""
+        corners, n_components = self.inner.coordinates, len(self.core.tree.roots)
+        cells, opposite = np.nonzero(self.inner.neighbors < 0)
+        component = self.core.tree.component[cells]
+        total = corners[self.inner.simplices[cells]].sum(axis=1) - corners[self.inner.simplices[cells, opposite]]
+        least = np.full(n_components, np.inf)
+        np.minimum.at(least, component, total[:, 0])
+        some = np.flatnonzero(total[:, 0] == least[component])
+        order = some[np.lexsort([*total[some].T[::-1], component[some]])]
+        first = order[np.flatnonzero(np.diff(component[order], prepend=-1))]
+        return np.asarray(total[first] / corners.shape[1])
 
 
 def curve_skeleton(
@@ -122,9 +138,7 @@ def curve_skeleton(
         share = 0.5
         mesh = triangulate(points_or_mesh, denoise=denoise, tick=part(tick, 0.0, share))
     model = curve_model(mesh, inside=inside, loop_spacings=loop_spacings, tick=part(tick, share, 0.97))
-    skeleton = draw_curve(model, detail=detail, root=root)
-    tick(1.0)
-    return skeleton
+    return draw_curve(model, detail=detail, root=root, tick=part(tick, 0.97, 1.0))
 
 
 def check_curve_options(detail: float, loop_spacings: float, root: str | ArrayLike) -> None:
@@ -148,8 +162,8 @@ def curve_model(
     """
     expect_mesh(mesh)
     expect_extent(mesh.points)
-    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.25))
-    inner = inner_mesh(mesh, labels)
+    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.22))
+    inner = inner_mesh(mesh, labels, part(tick, 0.22, 0.25))
     if len(inner.simplices) == 0 and len(mesh.points):
         raise InputError(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
@@ -157,8 +171,9 @@ def curve_model(
         )
     tick(0.25)
     nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.55))
-    widths = _facet_widths(inner)
+    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.54))
+    burning = begin(lambda: burn_times(cells, nodes.positions, nodes.radii))  # nothing before needs it
+    widths = _facet_widths(inner, part(tick, 0.54, 0.55))
     collapse = collapse_to_graph(cells, widths, part(tick, 0.55, 0.65))
     check_homotopy(cells, collapse)
     loops = find_loops(
@@ -169,7 +184,7 @@ def curve_model(
         loop_spacings=loop_spacings,
         tick=part(tick, 0.65, 0.7),
     )
-    burn = burn_times(cells, nodes.positions, nodes.radii, part(tick, 0.7, 0.8))
+    burn = burning(part(tick, 0.7, 0.8), SECONDS_PER_FACET * len(cells.facets))
     burn = np.where(nodes.is_medial, burn, nodes.radii)
     tick(0.8)
     strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
@@ -180,10 +195,10 @@ def curve_model(
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
 
 
-def _facet_widths(inner: InnerMesh) -> Floats:
+def _facet_widths(inner: InnerMesh, tick: Tick) -> Floats:
     """Passage width of each 1-cell of the dual complex, in its order."""
-    cells, opposite = np.nonzero(inner.neighbors > np.arange(len(inner.simplices))[:, None])
-    return passage_widths(inner.coordinates, inner.simplices)[cells, opposite]
+    corners = facets_and_boundary(inner.simplices, inner.neighbors, part(tick, 0.0, 0.5))[1]
+    return widths_of_facets(inner.coordinates, corners, part(tick, 0.5, 1.0))
 
 
 def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:
@@ -213,9 +228,13 @@ def least_significance(detail: float) -> float:
 
 
 def draw_curve(
-    model: CurveModel, *, detail: float = CurveOptions.detail, root: str | ArrayLike = CurveOptions.root
+    model: CurveModel,
+    *,
+    detail: float = CurveOptions.detail,
+    root: str | ArrayLike = CurveOptions.root,
+    tick: Tick = silent,
 ) -> Skeleton:
-    """The skeleton at one detail, from a model: quick, for a slider.
+    """The skeleton at one detail, from a model: quick, for a slider. `tick` is told the share of work done.
 
     Raises
     ------
@@ -228,9 +247,13 @@ def draw_curve(
     edges = np.concatenate([model.core.edges, *drawn])
     graph_nodes = np.unique(np.concatenate([model.core.nodes, edges.ravel()]))
     chains = merge_close_junctions(trace_chains(graph_nodes, edges), nodes.positions, nodes.radii)
-    lines = smooth_lines(chains, nodes, model.inner)
+    tick(0.1)
+    lines = smooth_lines(chains, nodes, model.inner, part(tick, 0.1, 0.7))
     component = tree.component[lines.nodes]
-    skeleton, number = assemble(lines, component, _root_points(model, lines, component, root), _radii(model, lines))
+    root_points = _root_points(model, lines, component, root)
+    tick(0.8)
+    skeleton, number = assemble(lines, component, root_points, _radii(model, lines))
+    tick(0.9)
     skeleton = replace(
         skeleton,
         points=lifted(skeleton.points, model.inner.mesh),
@@ -241,6 +264,7 @@ def draw_curve(
         cavities=model.cavities,
     )
     check_loops(skeleton)
+    tick(1.0)
     return skeleton
 
 
@@ -272,20 +296,10 @@ def _root_points(model: CurveModel, lines: Lines, component: Ints, root: str | A
     if isinstance(root, str) and root == "widest":
         value = -model.nodes.radii[lines.nodes]
     else:
-        places = _first_facets(model) if isinstance(root, str) else np.tile(_flattened(root, model.inner.mesh), (n, 1))
+        places = model.first_facets if isinstance(root, str) else np.tile(_flattened(root, model.inner.mesh), (n, 1))
         value = ((lines.positions - places[component]) ** 2).sum(axis=1)
     order = np.lexsort([np.arange(len(value)), value, component])
     return order[np.flatnonzero(np.diff(component[order], prepend=-1))]
-
-
-def _first_facets(model: CurveModel) -> Floats:
-    """(c, d) barycentre of the boundary facet of each component that comes first by its coordinates."""
-    inner, component = model.inner, model.core.tree.component
-    cells, opposite = np.nonzero(inner.neighbors < 0)
-    total = inner.coordinates[inner.simplices[cells]].sum(axis=1) - inner.coordinates[inner.simplices[cells, opposite]]
-    order = np.lexsort([*total.T[::-1], component[cells]])
-    first = order[np.flatnonzero(np.diff(component[cells][order], prepend=-1))]
-    return total[first] / inner.coordinates.shape[1]
 
 
 def _flattened(place: ArrayLike, mesh: Triangulation) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chains import Chains
+from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.curve_skeleton import line_edges
 from tetraskel.kernels.inner_mesh import InnerMesh
 from tetraskel.kernels.inside_check import facets_between, stays_inside
@@ -53,7 +54,7 @@ class Lines:
     nodes: Ints
 
 
-def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh) -> Lines:
+def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh, tick: Tick = silent) -> Lines:
     """Average, relax and check.
 
     Samples a quarter radius apart are averages over the nodes around them, which takes out the zigzag; a few steps
@@ -61,7 +62,8 @@ def smooth_lines(chains: Chains, nodes: MedialNodes, inner: InnerMesh) -> Lines:
     leaves the interior the line goes back towards the nodes, and if need be from simplex to simplex.
     """
     lines = _relaxed(_sampled(chains, nodes), nodes)
-    for pull in PULLS:
+    for done, pull in enumerate(PULLS, 1):
+        tick(done / (len(PULLS) + 2))
         bad = _edges_outside(lines, nodes, inner)
         if not bad.any():
             return lines

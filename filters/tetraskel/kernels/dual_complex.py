@@ -12,11 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
+from tetraskel.kernels.loops_in_python import call_compiled
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+
+FACET_SECONDS, RING_SECONDS = 5e-8, 2e-7  # per cell, compiled; for the progress bar only
 
 
 @dataclass(frozen=True)
@@ -66,29 +69,55 @@ def dual_complex(simplices: Ints, neighbors: Ints, n_points: int, tick: Tick = s
     Parameters
     ----------
     simplices, neighbors : (m, d+1) int
-        -1 beyond the boundary.
+        The points of each ascending; -1 beyond the boundary.
     n_points : int
     """
     m, width = simplices.shape
-    cells, opposite = np.nonzero(neighbors > np.arange(m)[:, None])
+    facets, corners, outer = facets_and_boundary(simplices, neighbors, part(tick, 0.0, 0.2))
+    on_boundary, used = np.zeros(n_points, bool), np.zeros(n_points, bool)
+    on_boundary[outer], used[simplices] = True, True
+    inner = np.flatnonzero(used & ~on_boundary) if width == 4 else np.empty(0, np.int64)
+    tick(0.3)
+    arguments = (corners, outer, n_points)
+    found = call_compiled("rings", arguments, part(tick, 0.3, 1.0), RING_SECONDS * len(corners)) if width == 4 else None
+    if found is None:
+        keys: Ints = corners if width == 3 else edge_keys(corners)
+        open_keys: Ints = np.flatnonzero(on_boundary) if width == 3 else np.unique(edge_keys(outer))
+        ridges, start, around, closed = _rings(keys, open_keys, part(tick, 0.3, 1.0))
+        points = closed[:, None] if width == 3 else np.stack(np.divmod(closed, np.int64(1) << 32), axis=1)
+        found = ridges, start, around, points
+    facet_ridges, ring_start, ring_facets, ridge_points = found
+    return DualComplex(m, facets, facet_ridges, ring_start, ring_facets, ridge_points, inner)
+
+
+def facets_and_boundary(simplices: Ints, neighbors: Ints, tick: Tick = silent) -> tuple[NDArray[np.int32], Ints, Ints]:
+    """The facets between simplices, and those on the boundary.
+
+    Parameters
+    ----------
+    simplices, neighbors : (m, d+1) int
+        As for `dual_complex`.
+
+    Returns
+    -------
+    facets : (f, 2) int
+        The two simplices of each facet between simplices, smaller id first, in lexicographic order of (first simplex,
+        vertex opposite).
+    corners : (f, d) int
+        Their points, ascending.
+    outer : (g, d) int
+        Points of the facets on the boundary, ascending, in the same order.
+    """
+    if simplices.shape[1] == 4:
+        found = call_compiled("facets_of", (simplices, neighbors), tick, FACET_SECONDS * len(simplices))
+        if found is not None:
+            return found
+    cells, opposite = np.nonzero(neighbors > np.arange(len(neighbors), dtype=neighbors.dtype)[:, None])
     facets = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
     corners = _without(simplices[cells], opposite)
-    tick(0.2)
-    outer_cells, outer_opposite = np.nonzero(neighbors < 0)
-    outer = _without(simplices[outer_cells], outer_opposite)
-    on_boundary = np.zeros(n_points, bool)
-    on_boundary[outer] = True
-    if width == 3:
-        keys, open_keys = corners, np.flatnonzero(on_boundary)
-    else:
-        keys, open_keys = edge_keys(corners), np.unique(edge_keys(outer))
-    tick(0.3)
-    facet_ridges, ring_start, ring_facets, closed = _rings(keys, open_keys, tick)
-    points = closed[:, None] if width == 3 else np.stack(np.divmod(closed, np.int64(1) << 32), axis=1)
-    used = np.zeros(n_points, bool)
-    used[simplices] = True
-    inner = np.flatnonzero(used & ~on_boundary) if width == 4 else np.empty(0, np.int64)
-    return DualComplex(m, facets, facet_ridges, ring_start, ring_facets, points, inner)
+    cells, opposite = np.nonzero(neighbors < 0)
+    tick(1.0)
+    return facets, corners, _without(simplices[cells], opposite)
 
 
 def _without(simplices: Ints, column: Ints) -> Ints:
@@ -112,7 +141,7 @@ def _rings(keys: Ints, open_keys: Ints, tick: Tick) -> tuple[Ints, Ints, Ints, I
     """
     flat = keys.ravel()
     order = np.argsort(flat, kind="stable")
-    tick(0.8)
+    tick(0.7)
     ranked = flat[order]
     first = np.flatnonzero(np.r_[True, ranked[1:] != ranked[:-1]]) if len(flat) else np.empty(0, np.int64)
     ridges = ranked[first]

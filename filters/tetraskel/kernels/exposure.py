@@ -60,7 +60,7 @@ class Exposure:
         places, radii = balls.positions[self.ends], balls.radii[self.ends]
         for start in range(0, len(nodes), 64):
             some = nodes[start : start + 64]
-            away = np.sqrt(((places[:, None] - balls.positions[some][None]) ** 2).sum(axis=2))  # (ends, some)
+            away = distances(places, balls.positions[some])
             for row, covers in enumerate(balls.covers(some)):
                 np.minimum(self.excess[row], (away - covers).min(axis=1) + radii, out=self.excess[row])
                 np.minimum(self.ratio[row], in_covers(away, covers).min(axis=1), out=self.ratio[row])
@@ -101,8 +101,21 @@ def thinned(balls: Balls, path: Ints, apart: float = SAMPLE) -> Ints:
     """Nodes of a path about a quarter radius (or `apart` radii) apart, both ends among them."""
     if len(path) < 3:
         return path
+    return path[thinned_places(balls, path, apart)]
+
+
+def thinned_places(balls: Balls, path: Ints, apart: float) -> Ints:
+    """Where in a path of at least three nodes the nodes of `thinned` are."""
     step = np.sqrt((np.diff(balls.positions[path], axis=0) ** 2).sum(axis=1))
     scaled = np.cumsum(np.append(0, step / (apart * np.maximum(balls.radii[path[1:]], 1e-300))))
     chosen = np.append(True, np.floor(scaled[1:]) > np.floor(scaled[:-1]))
     chosen[-1] = True
-    return path[chosen]
+    return np.flatnonzero(chosen)
+
+
+def distances(first: Floats, second: Floats) -> Floats:
+    """(k, l) distances from each of (k, d) places to each of (l, d) others, one axis after another."""
+    total = np.zeros((len(first), len(second)))
+    for one, other in zip(first.T, second.T, strict=True):
+        total += (one[:, None] - other) ** 2
+    return np.sqrt(total, out=total)

@@ -8,14 +8,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.dual_complex import facets_and_boundary
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.nearest import Cloud
-from tetraskel.kernels.passage_widths import passage_widths
+from tetraskel.kernels.passage_widths import widths_of_facets
 from tetraskel.kernels.points import morton_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+
+SECONDS_PER_CELL = 2e-7  # compiled; for the progress bar only
 
 
 @dataclass(frozen=True)
@@ -48,12 +53,11 @@ class InnerMesh:
     @cached_property
     def widest_door(self) -> float:
         """Largest passage width of the boundary's facets: no place on the boundary is farther from all points."""
-        cells = np.flatnonzero((self.neighbors < 0).any(axis=1))
-        widths = passage_widths(self.coordinates, self.simplices[cells])
-        return float(widths[self.neighbors[cells] < 0].max(initial=0.0))
+        outer = facets_and_boundary(self.simplices, self.neighbors)[2]
+        return float(widths_of_facets(self.coordinates, outer).max(initial=0.0))
 
 
-def inner_mesh(mesh: Triangulation, inside: Bools) -> InnerMesh:
+def inner_mesh(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> InnerMesh:
     """The simplices inside, renumbered by coordinates: permuted input gives the same arrays.
 
     Parameters
@@ -66,14 +70,23 @@ def inner_mesh(mesh: Triangulation, inside: Bools) -> InnerMesh:
     used[mesh.simplices[cells]] = True
     ids = np.flatnonzero(used)
     ids = ids[morton_order(mesh.coordinates[ids])] if len(ids) else ids
-    number = np.full(len(mesh.points), -1, np.int64)
-    number[ids] = np.arange(len(ids))
+    number = np.full(len(mesh.points), -1, np.int32)
+    number[ids] = np.arange(len(ids), dtype=np.int32)
+    return InnerMesh(mesh.coordinates[ids], *chosen_simplices(mesh, cells, number, tick), ids, mesh)
+
+
+def chosen_simplices(mesh: Triangulation, cells: Ints, number: Ints, tick: Tick) -> tuple[Ints, Ints]:
+    """Simplices and neighbours (k, d+1) of some `cells`, sorted by their points, which have new numbers (n,)."""
+    if mesh.dim == 3:
+        arguments = (mesh.simplices, mesh.neighbors, cells, number, len(number))
+        found = call_compiled("chosen_simplices", arguments, tick, SECONDS_PER_CELL * len(cells))
+        if found is not None:
+            return found
     simplices = number[mesh.simplices[cells]]
     order = _order_of(simplices)
     place = np.full(len(mesh) + 1, -1, np.int32)  # the last for "no neighbour"
     place[cells[order]] = np.arange(len(cells), dtype=np.int32)
-    turned, neighbors = _turned(simplices[order], place[mesh.neighbors[cells[order]]])
-    return InnerMesh(mesh.coordinates[ids], turned.astype(np.int32), neighbors, ids, mesh)
+    return _turned(simplices[order], place[mesh.neighbors[cells[order]]])
 
 
 def _order_of(simplices: Ints) -> Ints:

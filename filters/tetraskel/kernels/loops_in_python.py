@@ -1,12 +1,13 @@
 """Loops that no array operation replaces: compiled by numba where it is installed, plain Python where it is not.
 
-A loop is written once, in the subset of Python that both run: it indexes flat sequences of numbers, uses `heapq`,
+A loop is written once, in the subset of Python that both run: it indexes flat sequences of numbers, uses `heaps`,
 and writes its results into sequences it is given. Compiled it sees arrays, else lists, and the numbers are the
 same to the last bit.
 """
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.background import wait_for
-from tetraskel.kernels.chunks import Tick
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.compilation import compiled, numba_is_used
 
 
@@ -52,13 +53,51 @@ def run_loop(
         values[:] = result
 
 
+def run_compiled(
+    name: str, constants: Sequence[Any], inputs: Sequence[NDArray], outputs: Sequence[NDArray], tick: Tick = silent
+) -> bool:
+    """Call `tetrahedron_loops.<name>(*constants, *inputs, *outputs)` in pieces, on every core; False without numba.
+
+    Parameters
+    ----------
+    name : str
+    constants : sequence of arrays or numbers
+        Given to every call as they are.
+    inputs, outputs : sequences of (n, ...) arrays
+        Cut into the same pieces.
+    tick : callable
+        Told the share of work done; may raise `Aborted`.
+    """
+    if not numba_is_used():
+        return False
+    loop = _of_tetrahedra(name)
+
+    def work(piece: slice) -> None:
+        loop(*constants, *(values[piece] for values in inputs), *(values[piece] for values in outputs))
+
+    if not loop.signatures:
+        wait_for(lambda: work(slice(0, 0)), tick, 1.0)  # compiles
+    for_chunks(work, len(outputs[0]), tick)
+    return True
+
+
+def call_compiled(name: str, arguments: Sequence[Any], tick: Tick, expected_seconds: float) -> Any:
+    """The result of `tetrahedron_loops.<name>(*arguments)`; None without numba. `tick` as in `run_loop`."""
+    if not numba_is_used():
+        return None
+    return wait_for(lambda: _of_tetrahedra(name)(*map(_one_kind, arguments)), tick, expected_seconds)
+
+
+def _of_tetrahedra(name: str) -> Any:
+    return _compiled(getattr(importlib.import_module("tetraskel.kernels.tetrahedron_loops"), name))
+
+
 @cache
 def _compiled(loop: Callable[..., None]) -> Any:
+    importlib.import_module("tetraskel.kernels.compiled_heaps")
     return compiled(loop)
 
 
 def _one_kind(values: Any) -> Any:
-    """Whole numbers as 64-bit integers: one compiled version serves all."""
-    return (
-        values.astype(np.int64, copy=False) if isinstance(values, np.ndarray) and values.dtype.kind == "i" else values
-    )
+    """Contiguous arrays: one compiled version serves all."""
+    return np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import ON_FACET, barycentric_frames, is_solid
 from tetraskel.kernels.chunks import Tick, for_chunks, part, silent
+from tetraskel.kernels.loops_in_python import run_compiled
 from tetraskel.kernels.walking import homes_of_circumcentres
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-# Relative volume below which rounding of the input moves the circumcentre by more than it is worth.
+# Volume, over the d-th power of the root of the summed squared edges at the first corner, up to which rounding of the
+# input moves the circumcentre by more than it is worth.
 FLAT = 1e-6
 
 
@@ -60,53 +62,55 @@ def medial_nodes(coordinates: Floats, simplices: Ints, neighbors: Ints, tick: Ti
     MedialNodes
         In the order of the simplices.
     """
-    centres, circumradii, seen_through = circumcentres(coordinates, simplices, part(tick, 0.0, 0.3))
+    centres, circumradii, flat, seen_through = circumcentres(coordinates, simplices, part(tick, 0.0, 0.3))
     homes = homes_of_circumcentres(coordinates, simplices, neighbors, centres, seen_through, part(tick, 0.3, 1.0))
     homes[np.isnan(circumradii)] = -1
-    flat = relative_volumes(coordinates, simplices) < FLAT
     borrow_centres(neighbors, flat, centres, circumradii, homes)
     return _with_barycentres(coordinates, simplices, centres, circumradii, homes)
 
 
-def circumcentres(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    """Circumcentres (m, d), circumradii (m,), and through which facet (opposite that vertex) the centre is seen.
+def circumcentres(
+    coordinates: Floats, simplices: Ints, tick: Tick = silent
+) -> tuple[Floats, Floats, Bools, NDArray[np.int8]]:
+    """Circumcentres (m, d), circumradii (m,), which simplices are flat, and through which facet the centre is seen.
 
-    -1 where the simplex contains its centre. A simplex without volume has its barycentre for centre, radius nan.
+    That facet (opposite that vertex) is -1 where a triangle contains its centre, and in space, where nobody asks. A
+    simplex without volume has its barycentre for centre, radius nan.
     """
     m, width = simplices.shape
-    centres, radii = np.empty((m, width - 1)), np.empty(m)
-    seen_through = np.empty(m, np.int8)
+    centres, radii, flat = np.empty((m, width - 1)), np.empty(m), np.empty(m, bool)
+    seen_through = np.full(m, -1, np.int8)
+    if width == 4 and run_compiled("circumcentres", (coordinates, FLAT), (simplices,), (centres, radii, flat), tick):
+        return centres, radii, flat, seen_through
 
     def work(piece: slice) -> None:
         first, normals, volumes = barycentric_frames(coordinates, simplices[piece])
         corners = coordinates[simplices[piece]]
-        squares = ((corners[:, 1:] - corners[:, :1]) ** 2).sum(axis=2)
+        sides = corners[:, 1:] - corners[:, :1]
+        squares = (sides**2).sum(axis=2)
+        flat[piece] = _is_flat(sides, volumes)
         solid = is_solid(coordinates, simplices[piece], volumes)
         volume = np.where(solid, volumes, 1.0)[:, None]
         offset = np.einsum("ki,kia->ka", squares, normals) / (2 * volume)
-        weights = np.einsum("kia,ka->ki", normals, offset) / volume
-        weights = np.concatenate([1 - weights.sum(axis=1, keepdims=True), weights], axis=1)
-        lowest = weights.argmin(axis=1)
         centres[piece] = np.where(solid[:, None], first + offset, corners.mean(axis=1))
         radii[piece] = np.where(solid, np.sqrt((offset**2).sum(axis=1)), np.nan)
-        seen_through[piece] = np.where(solid & (weights.min(axis=1) < ON_FACET), lowest, -1)
+        if width == 3:
+            weights = np.einsum("kia,ka->ki", normals, offset) / volume
+            weights = np.concatenate([1 - weights.sum(axis=1, keepdims=True), weights], axis=1)
+            seen_through[piece] = np.where(solid & (weights.min(axis=1) < ON_FACET), weights.argmin(axis=1), -1)
 
     for_chunks(work, m, tick)
-    return centres, radii, seen_through
+    return centres, radii, flat, seen_through
 
 
-def relative_volumes(coordinates: Floats, simplices: Ints) -> Floats:
-    """(m,) volumes (times d!) over the d-th power of the root of the summed squared edges at the first corner."""
-    result = np.empty(len(simplices))
-
-    def work(piece: slice) -> None:
-        corners = coordinates[simplices[piece]]
-        squares = ((corners[:, 1:] - corners[:, :1]) ** 2).sum(axis=(1, 2))
-        volumes = np.abs(barycentric_frames(coordinates, simplices[piece])[2])
-        result[piece] = volumes / np.maximum(squares ** (0.5 * coordinates.shape[1]), 1e-300)
-
-    for_chunks(work, len(simplices))
-    return result
+def _is_flat(sides: Floats, volumes: Floats) -> Bools:
+    """(k,) simplices, by their (k, d, d) sides from the first corner, whose volume (times d!) is next to nothing."""
+    squares = (sides**2).sum(axis=2)
+    total = squares[:, 0] + squares[:, 1]
+    if squares.shape[1] == 2:
+        return np.asarray(np.abs(volumes) <= FLAT * total)
+    total = total + squares[:, 2]
+    return np.asarray(np.abs(volumes) <= FLAT * total * np.sqrt(total))
 
 
 def borrow_centres(neighbors: Ints, flat: Bools, centres: Floats, circumradii: Floats, homes: Ints) -> None:
@@ -154,6 +158,9 @@ def facing(coordinates: Floats, simplices: Ints, nodes: MedialNodes, tick: Tick 
     side only. It is the least, over the corners, of (1 - cos) / 2 of the largest angle to another corner.
     """
     result = np.empty(len(simplices))
+    constants, inputs = (coordinates,), (simplices, nodes.positions)
+    if simplices.shape[1] == 4 and run_compiled("facing", constants, inputs, (result,), tick):
+        return np.clip(result, 1e-3, 1)
 
     def work(piece: slice) -> None:
         ways = coordinates[simplices[piece]] - nodes.positions[piece, None]

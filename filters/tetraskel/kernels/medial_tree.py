@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass
-from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.dual_complex import DualComplex
+from tetraskel.kernels.heaps import make_heap, pop, push
 from tetraskel.kernels.loops_in_python import run_loop
 
 Floats = NDArray[np.float64]
@@ -69,12 +69,12 @@ def medial_tree(cells: DualComplex, positions: Floats, strength: Floats, cut: Bo
     step = _step_costs(cells, positions, strength)
     m = cells.n_nodes
     by_strength = np.argsort(-strength, kind="stable")
-    parent, parent_edge = np.full(m, -1), np.full(m, -1)
-    sequence, component, cost = np.empty(m, np.int64), np.full(m, -1), np.full(m, np.inf)
+    parent, parent_edge, component = (np.full(m, -1, np.int32) for _ in range(3))
+    sequence, cost = np.empty(m, np.int32), np.full(m, np.inf)
     run_loop(
         _paths_loop,
         (start, ways, edge_of_way, step, by_strength),
-        (parent, parent_edge, sequence, component, cost),
+        (parent, parent_edge, sequence, component, cost, np.zeros(m, bool)),
         tick,
         SECONDS_PER_NODE * m,
     )
@@ -101,7 +101,7 @@ def _ways(cells: DualComplex, cut: Bools) -> tuple[Ints, Ints, Ints]:
     source = ends.ravel()
     order = np.argsort(source, kind="stable")
     start = np.concatenate([[0], np.cumsum(np.bincount(source, minlength=cells.n_nodes))])
-    return start, ends[:, ::-1].ravel()[order], np.repeat(edges, 2)[order]
+    return start, ends[:, ::-1].ravel()[order], edges.astype(np.int32)[order >> 1]
 
 
 def _step_costs(cells: DualComplex, positions: Floats, strength: Floats) -> Floats:
@@ -112,18 +112,20 @@ def _step_costs(cells: DualComplex, positions: Floats, strength: Floats) -> Floa
 
 
 def _paths_loop(  # type: ignore[no-untyped-def]
-    start, ways, edge_of_way, step, by_strength, parent, parent_edge, sequence, component, cost
+    start, ways, edge_of_way, step, by_strength, parent, parent_edge, sequence, component, cost, done
 ):
     """Dijkstra's algorithm from the strongest node of each component; ties go to the smaller node."""
     n_done, n_components = 0, 0
-    done = [False] * len(parent)
+    costs, nodes = make_heap(len(ways) + 1, 0.0)
     for root in by_strength:
         if done[root]:
             continue
         cost[root] = 0.0
-        heap = [(0.0, root)]
-        while len(heap) > 0:
-            reached, node = heappop(heap)
+        push(costs, nodes, 0, 0.0, root)
+        n_waiting = 1
+        while n_waiting > 0:
+            reached, node = pop(costs, nodes, n_waiting)
+            n_waiting -= 1
             if done[node]:
                 continue
             done[node] = True
@@ -137,7 +139,8 @@ def _paths_loop(  # type: ignore[no-untyped-def]
                     cost[other] = total
                     parent[other] = node
                     parent_edge[other] = edge_of_way[k]
-                    heappush(heap, (total, other))
+                    push(costs, nodes, n_waiting, total, other)
+                    n_waiting += 1
         n_components += 1
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.loops_in_python import run_compiled
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -86,6 +87,10 @@ def room_radii(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> Flo
 def widths_and_rooms(coordinates: Floats, simplices: Ints, tick: Tick = silent) -> tuple[Floats, Floats]:
     """`passage_widths` and `room_radii` in one pass over the corners."""
     widths, radii = np.empty(simplices.shape), np.empty(len(simplices))
+    if simplices.shape[1] == 4 and run_compiled(
+        "widths_and_rooms", (coordinates,), (simplices,), (widths, radii), tick
+    ):
+        return widths, radii
 
     def work(piece: slice) -> None:
         corners = corners_by_axis(coordinates, simplices[piece])
@@ -94,6 +99,22 @@ def widths_and_rooms(coordinates: Floats, simplices: Ints, tick: Tick = silent) 
 
     for_chunks(work, len(simplices), tick)
     return widths, radii
+
+
+def widths_of_facets(coordinates: Floats, facets: Ints, tick: Tick = silent) -> Floats:
+    """(k,) passage widths of single facets, given by their (k, d) points."""
+    widths = np.empty(len(facets))
+    if facets.shape[1] == 3 and run_compiled("widths_of_triangles", (coordinates,), (facets,), (widths,), tick):
+        return widths
+
+    def work(piece: slice) -> None:
+        corners = corners_by_axis(coordinates, facets[piece])
+        pairs = combinations(range(corners.shape[1]), 2)
+        squares = np.stack([np.sum((corners[:, i] - corners[:, j]) ** 2, axis=0) for i, j in pairs])
+        widths[piece] = triangle_widths(squares) if len(squares) == 3 else 0.5 * np.sqrt(squares[0])
+
+    for_chunks(work, len(facets), tick)
+    return widths
 
 
 def corners_by_axis(coordinates: Floats, simplices: Ints) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import for_chunks
+from tetraskel.kernels.loops_in_python import run_compiled
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import corners_by_axis
 
@@ -55,6 +56,9 @@ def on_surface(neighbors: Ints, side: Bools) -> Ints:
 def _gains(mesh: Triangulation, side: Bools, cells: Ints) -> Floats:
     """(k,) by how much the surface would shrink if each simplex changed sides alone."""
     gain = np.empty(len(cells))
+    constants = (mesh.coordinates, mesh.simplices, mesh.neighbors, side)
+    if run_compiled("gains", constants, (cells,), (gain,)):
+        return gain
 
     def work(piece: slice) -> None:
         some = cells[piece]

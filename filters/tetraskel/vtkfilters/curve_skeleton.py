@@ -67,7 +67,9 @@ class CurveSkeleton(SkeletonFilter):
             self._model = self._compute(source)
             self._made_from = key
         root = self.root_point if self.root == "point" else self.root
-        skeleton = draw_curve(self._model, detail=self.detail, root=root)
+        skeleton = draw_curve(
+            self._model, detail=self.detail, root=root, tick=self.tick("Drawing the lines", 0.95, 1.0)
+        )
         fill_skeleton(outputs[0], skeleton)
         outputs[0].GetFieldData().PassData(source.GetFieldData())
         add_facts(outputs[0], {"Dimension": self._model.inner.mesh.dim})
@@ -87,7 +89,7 @@ class CurveSkeleton(SkeletonFilter):
 
     def _compute(self, source):
         mesh, inside = mesh_and_labels(source, self.tick("Triangulating", 0.0, 0.5), denoise=self.denoise)
-        tick = self.tick("Drawing the skeleton together", 0.0 if holds_simplices(source) else 0.5, 1.0)
+        tick = self.tick("Drawing the skeleton together", 0.0 if holds_simplices(source) else 0.5, 0.95)
         return curve_model(mesh, inside=inside, loop_spacings=self.loop_spacings, tick=tick)
 
 
