@@ -7,6 +7,7 @@ generator bounds its interval from one side.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,44 +31,78 @@ class Neighbours:
 
     def __init__(self, coordinates: Floats, simplices: Ints, asked: Bools) -> None:
         """Prepare for the generators where (n,) `asked` holds and those beside them."""
+        n, dim = coordinates.shape
         self.coordinates, self._simplices = coordinates, simplices
-        self._known = np.zeros(len(coordinates), bool)
-        self._extend(asked)
+        self._known = np.zeros(n, bool)
+        self._first, self._count = np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self._pairs = self.targets = np.empty(0, np.int64)
+        self.ways = np.empty((dim, 0))  # (d, total) to each neighbour: long rows are what NumPy is fast on
+        self.squares = np.empty(0)
+        columns = [asked[column] for column in simplices.T]
+        self._extend(np.flatnonzero(np.logical_or.reduce(columns)))
 
-    def _extend(self, asked: Bools) -> None:
-        cells = self._simplices[asked[self._simplices].any(axis=1)]
-        self._known |= asked
-        self._known[cells] = True
-        cells = self._simplices[self._known[self._simplices].any(axis=1)]
-        self.keys = unique_edges(cells)
-        low, high = split_keys(self.keys)
-        ends = np.concatenate([low, high])
-        others = np.concatenate([high, low])
-        order = np.argsort(ends, kind="stable")
-        self.targets = others[order]
-        self._starts = np.searchsorted(ends[order], np.arange(len(self.coordinates) + 1))
-        ways = self.coordinates[self.targets] - self.coordinates[ends[order]]
-        self.ways = np.ascontiguousarray(ways.T)  # (d, total) to each neighbour: long rows are what NumPy is fast on
-        self.squares = np.einsum("ka,ka->k", ways, ways)
+    @cached_property
+    def _around(self) -> tuple[Ints, Ints]:
+        """Simplices around each generator, one after another, and where each begins."""
+        order = np.argsort(self._simplices, axis=None, kind="stable")
+        starts = np.searchsorted(self._simplices.ravel()[order], np.arange(len(self._known) + 1))
+        return order // self._simplices.shape[1], starts
+
+    def _cells_around(self, generators: Ints) -> Ints:
+        """Simplices that have one of the generators."""
+        if 4 * len(generators) > len(self._known):
+            asked = np.zeros(len(self._known), bool)
+            asked[generators] = True
+            return np.flatnonzero(np.logical_or.reduce([asked[column] for column in self._simplices.T]))
+        cells, starts = self._around
+        return np.unique(cells[_ranges(starts[generators], starts[generators + 1] - starts[generators])])
+
+    def _extend(self, cells: Ints) -> None:
+        """Find the neighbours of all corners of some simplices."""
+        new = np.zeros(len(self._known), bool)
+        new[self._simplices[cells]] = True
+        new &= ~self._known
+        generators = np.flatnonzero(new)
+        self._known |= new
+        low, high = split_keys(unique_edges(self._simplices[self._cells_around(generators)]))
+        pairs = np.concatenate([_directed(low, high)[new[low]], _directed(high, low)[new[high]]])
+        pairs.sort()
+        sources, targets = pairs >> 33, pairs & 0xFFFFFFFF
+        first, last = np.searchsorted(sources, generators), np.searchsorted(sources, generators, "right")
+        self._first[generators], self._count[generators] = len(self.targets) + first, last - first
+        ways = self.coordinates[targets] - self.coordinates[sources]
+        self.targets = np.concatenate([self.targets, targets])
+        self.ways = np.concatenate([self.ways, ways.T], axis=1)
+        self.squares = np.concatenate([self.squares, np.einsum("ka,ka->k", ways, ways)])
+        self._pairs = np.sort(np.concatenate([self._pairs, pairs]), kind="stable")  # runs in order are merged
 
     def of(self, generators: Ints) -> tuple[Ints, Ints]:
         """Rows of the neighbours of each generator in `targets`, one after another, and how many each has."""
-        counts = self._starts[generators + 1] - self._starts[generators]
-        offsets = np.cumsum(counts) - counts
-        return np.arange(counts.sum()) + np.repeat(self._starts[generators] - offsets, counts), counts
+        counts = self._count[generators]
+        return _ranges(self._first[generators], counts), counts
 
     def prepare(self, generators: Ints) -> None:
         """Make sure that the neighbours of these generators are known."""
-        if not self._known[generators].all():
-            asked = self._known.copy()
-            asked[generators] = True
-            self._extend(asked)
+        missing = ~self._known[generators]
+        if missing.any():
+            self._extend(self._cells_around(np.unique(generators[missing])))
 
     def joined(self, first: Ints, second: Ints) -> Bools:
         """Whether pairs are Delaunay edges; one of each pair must be prepared."""
-        keys = edge_keys_of(first, second)
-        place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
-        return np.asarray(self.keys[place] == keys)
+        known = self._known[first]
+        pairs = _directed(np.where(known, first, second), np.where(known, second, first))
+        place = np.minimum(np.searchsorted(self._pairs, pairs), len(self._pairs) - 1)
+        return np.asarray(self._pairs[place] == pairs)
+
+
+def _directed(source: Ints, target: Ints) -> NDArray[np.int64]:
+    """One number per pair, by its source; targets above it come first."""
+    return (source << 33) | ((target < source).astype(np.int64) << 32) | target
+
+
+def _ranges(starts: Ints, counts: Ints) -> Ints:
+    """The numbers of ranges, one range after another."""
+    return np.arange(counts.sum()) + np.repeat(starts - (np.cumsum(counts) - counts), counts)
 
 
 def unique_edges(simplices: Ints) -> Ints:

@@ -68,12 +68,12 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> I
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
-    m, width = diagram.simplices.shape
+    m = len(diagram.simplices)
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
     crossed |= touching[diagram.ends].any(axis=1)
-    joined &= ~crossed[diagram.edge_of_half].reshape(m, width)
+    joined &= ~diagram.on_halves(crossed)
     starts = np.concatenate([[0], np.cumsum(joined.sum(axis=1))])
     graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
     return np.asarray(connected_components(graph, directed=False)[1])
