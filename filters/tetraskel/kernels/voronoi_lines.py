@@ -20,6 +20,7 @@ Bools = NDArray[np.bool_]
 
 # A place within this share of a line's length from where it ends may be that end, up to rounding.
 ON_BORDER = 1e-9
+MOST_BITS = 63
 LINES = 1 << 12  # lines at a time: some ten neighbours each
 
 
@@ -44,9 +45,14 @@ class Neighbours:
     @cached_property
     def _around(self) -> tuple[Ints, Ints]:
         """Simplices around each generator, one after another, and where each begins."""
-        order = np.argsort(self._simplices, axis=None, kind="stable")
-        starts = np.searchsorted(self._simplices.ravel()[order], np.arange(len(self._known) + 1))
-        return order // self._simplices.shape[1], starts
+        m, width = self._simplices.shape
+        if len(self._known).bit_length() + m.bit_length() > MOST_BITS:
+            order = np.argsort(self._simplices, axis=None, kind="stable")
+            return order // width, np.searchsorted(self._simplices.ravel()[order], np.arange(len(self._known) + 1))
+        bits = m.bit_length()  # several times faster to sort one number than to find the order of another
+        names = ((self._simplices.T.astype(np.int64) << bits) | np.arange(m)).ravel()
+        names.sort()
+        return names & ((1 << bits) - 1), np.searchsorted(names >> bits, np.arange(len(self._known) + 1))
 
     def _cells_around(self, generators: Ints) -> Ints:
         """Simplices that have one of the generators."""
@@ -55,7 +61,7 @@ class Neighbours:
             asked[generators] = True
             return np.flatnonzero(np.logical_or.reduce([asked[column] for column in self._simplices.T]))
         cells, starts = self._around
-        return np.unique(cells[_ranges(starts[generators], starts[generators + 1] - starts[generators])])
+        return _once(cells[_ranges(starts[generators], starts[generators + 1] - starts[generators])])
 
     def _extend(self, cells: Ints) -> None:
         """Find the neighbours of all corners of some simplices."""
@@ -85,7 +91,9 @@ class Neighbours:
         """Make sure that the neighbours of these generators are known."""
         missing = ~self._known[generators]
         if missing.any():
-            self._extend(self._cells_around(np.unique(generators[missing])))
+            cells = self._cells_around(_once(generators[missing]))
+            cells = self._cells_around(_once(self._simplices[cells].ravel()))  # who goes far goes farther
+            self._extend(cells)
 
     def joined(self, first: Ints, second: Ints) -> Bools:
         """Whether pairs are Delaunay edges; one of each pair must be prepared."""
@@ -109,11 +117,15 @@ def unique_edges(simplices: Ints) -> Ints:
     """Keys of the edges of some simplices, ascending."""
     width = simplices.shape[1]
     pairs = [(i, j) for i in range(width) for j in range(i)]
-    keys = np.concatenate([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j in pairs])
-    keys.sort()  # several times faster than np.unique, which hashes
-    first = np.ones(len(keys), bool)
-    first[1:] = keys[1:] != keys[:-1]
-    return keys[first]
+    return _once(np.concatenate([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j in pairs]))
+
+
+def _once(values: Ints) -> Ints:
+    """The values, ascending, each once; many times faster than np.unique, which hashes."""
+    ranked = np.sort(values)
+    first = np.ones(len(ranked), bool)
+    first[1:] = ranked[1:] != ranked[:-1]
+    return ranked[first]
 
 
 def found_in(values: NDArray, among: NDArray) -> Bools:
