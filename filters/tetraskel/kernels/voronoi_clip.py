@@ -29,7 +29,7 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 BALL = 2.0  # bounding-box diagonals around the middle beyond which no part of a face is looked at
-FACES = 1 << 14  # faces at a time
+FACES = 1 << 12  # faces at a time
 TURN = 0.7  # radians: lines of slabs parallel to no edge of a shape drawn along the axes
 
 
