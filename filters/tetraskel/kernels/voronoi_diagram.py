@@ -128,8 +128,8 @@ class VoronoiDiagram:
         """(k, d) generators around each of k edges, ascending."""
         width = self.dim + 1
         cells, opposite = np.divmod(self.halves[edges], width)
-        kept = np.arange(width)[None, :] != opposite[:, None]
-        return np.sort(self.simplices[cells][kept].reshape(len(cells), width - 1), axis=1)
+        others = np.array([[i for i in range(width) if i != j] for j in range(width)])
+        return np.sort(self.simplices.ravel()[(cells * width)[:, None] + others[opposite]], axis=1)
 
 
 def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> VoronoiDiagram:
@@ -143,11 +143,12 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
     """
     coordinates, simplices, neighbors = mesh.coordinates, mesh.simplices, mesh.neighbors
     centres, radii, signs, centred = _balls(coordinates, simplices, neighbors, tick)
-    cells, opposite = np.nonzero(neighbors < np.arange(len(mesh), dtype=neighbors.dtype)[:, None])
-    beyond = neighbors[cells, opposite].astype(np.int64)
+    halves = np.flatnonzero(neighbors < np.arange(len(mesh), dtype=neighbors.dtype)[:, None])
+    cells = halves // simplices.shape[1]
+    beyond = neighbors.ravel()[halves].astype(np.int64)
     hull = np.flatnonzero(beyond < 0)
     beyond[hull] = len(mesh) + np.arange(len(hull))
-    far = _ray_ends(coordinates, simplices, centres, signs, cells[hull], opposite[hull])
+    far = _ray_ends(coordinates, simplices, centres, signs, cells[hull], halves[hull] % simplices.shape[1])
     return VoronoiDiagram(
         coordinates,
         simplices,
@@ -158,7 +159,7 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
         signs,
         centred,
         np.stack([cells, beyond], axis=1),
-        cells * np.int64(simplices.shape[1]) + opposite,
+        halves,
     )
 
 

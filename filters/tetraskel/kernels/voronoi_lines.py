@@ -39,6 +39,7 @@ class Neighbours:
         self._pairs = self.targets = np.empty(0, np.int64)
         self.ways = np.empty((dim, 0))  # (d, total) to each neighbour: long rows are what NumPy is fast on
         self.squares = np.empty(0)
+        self._n_rows = 0
         columns = [asked[column] for column in simplices.T]
         self._extend(np.flatnonzero(np.logical_or.reduce(columns)))
 
@@ -75,12 +76,22 @@ class Neighbours:
         pairs.sort()
         sources, targets = pairs >> 33, pairs & 0xFFFFFFFF
         first, last = np.searchsorted(sources, generators), np.searchsorted(sources, generators, "right")
-        self._first[generators], self._count[generators] = len(self.targets) + first, last - first
+        self._first[generators], self._count[generators] = self._n_rows + first, last - first
         ways = self.coordinates[targets] - self.coordinates[sources]
-        self.targets = np.concatenate([self.targets, targets])
-        self.ways = np.concatenate([self.ways, ways.T], axis=1)
-        self.squares = np.concatenate([self.squares, np.einsum("ka,ka->k", ways, ways)])
+        new_rows = slice(self._n_rows, self._n_rows + len(targets))
+        self._make_room(new_rows.stop)
+        self.targets[new_rows], self.ways[:, new_rows] = targets, ways.T
+        self.squares[new_rows] = np.einsum("ka,ka->k", ways, ways)
+        self._n_rows = new_rows.stop
         self._pairs = np.sort(np.concatenate([self._pairs, pairs]), kind="stable")  # runs in order are merged
+
+    def _make_room(self, n_rows: int) -> None:
+        """Arrays of twice that many rows where there are fewer: they grow often, and are seldom copied."""
+        if n_rows > len(self.targets):
+            more = 2 * n_rows - len(self.targets) if self._n_rows else n_rows
+            self.targets = np.concatenate([self.targets, np.empty(more, np.int64)])
+            self.ways = np.concatenate([self.ways, np.empty((len(self.ways), more))], axis=1)
+            self.squares = np.concatenate([self.squares, np.empty(more)])
 
     def of(self, generators: Ints) -> tuple[Ints, Ints]:
         """Rows of the neighbours of each generator in `targets`, one after another, and how many each has."""

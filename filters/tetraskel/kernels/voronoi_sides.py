@@ -72,9 +72,11 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> I
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
-    crossed |= touching[diagram.ends].any(axis=1)
+    if touching.any():
+        crossed |= touching[diagram.ends].any(axis=1)
     joined &= ~diagram.on_halves(crossed)
-    starts = np.concatenate([[0], np.cumsum(joined.sum(axis=1))])
+    counts = np.add.reduce([column.view(np.int8) for column in np.ascontiguousarray(joined.T)], dtype=np.int8)
+    starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
     graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
     return np.asarray(connected_components(graph, directed=False)[1])
 

@@ -141,7 +141,7 @@ def _cut_faces(
 
     On the way around such a face from a vertex inside there is a last one before an edge that is not whole.
     """
-    cells = np.flatnonzero(inside[: len(diagram.simplices)] & (~whole.all(axis=1) | touching))
+    cells = np.flatnonzero(inside[: len(diagram.simplices)] & (~np.logical_and.reduce(list(whole.T)) | touching))
     known = wedges_between(whole[cells]) & ~touching[cells, None]
     simplices = diagram.simplices[cells]
     keys = [edge_keys_of(simplices[~known[:, s], i], simplices[~known[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
