@@ -76,7 +76,7 @@ def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, doubtful: 
 
 def wedges_between(flags: Bools) -> Bools:
     """(m, 6) tetrahedra at those of their edges beside which both half-facets have (m, 4) flags."""
-    beside = np.array([(k, l) for _, _, k, l in EDGES]).T
+    beside = np.array([others for _, _, *others in EDGES]).T
     return np.asarray(flags[:, beside[0]] & flags[:, beside[1]])
 
 

@@ -122,10 +122,10 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
         name |= np.maximum(first, second)
         names.append((name << wedge_bits) | wedge if in_one else name)
         wedges.append(wedge)
-    ranked, wedge = _sorted(np.concatenate(names), np.concatenate(wedges), wedge_bits if in_one else 0)
-    first = np.flatnonzero(np.diff(ranked, prepend=-1) != 0)
-    keys = ((ranked[first] >> edge_bits) << 32) | (ranked[first] & ((1 << edge_bits) - 1))
-    return VoronoiFaces(keys, np.append(first, len(ranked)), wedge)
+    ranked, ring = _sorted(np.concatenate(names), np.concatenate(wedges), wedge_bits if in_one else 0)
+    begins = np.flatnonzero(np.diff(ranked, prepend=-1) != 0)
+    keys = ((ranked[begins] >> edge_bits) << 32) | (ranked[begins] & ((1 << edge_bits) - 1))
+    return VoronoiFaces(keys, np.append(begins, len(ranked)), ring)
 
 
 def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:

@@ -144,7 +144,9 @@ def _cut_faces(
     cells = np.flatnonzero(inside[: len(diagram.simplices)] & (~np.logical_and.reduce(list(whole.T)) | touching))
     known = wedges_between(whole[cells]) & ~touching[cells, None]
     simplices = diagram.simplices[cells]
-    keys = [edge_keys_of(simplices[~known[:, s], i], simplices[~known[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
+    keys = [
+        edge_keys_of(simplices[~known[:, s], i], simplices[~known[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)
+    ]
     wanted = np.concatenate([*keys, crossings.faces])
     at_end = np.zeros(len(diagram.coordinates), bool)
     for end in split_keys(wanted):
