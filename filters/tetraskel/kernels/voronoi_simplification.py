@@ -151,13 +151,13 @@ def simplified(
         kept = np.repeat(kept, counts)
         offsets, corners = np.concatenate([[0], np.cumsum(counts[polygons])]), corners[kept]
         wedges = None if wedges is None else wedges[kept]
-    free = np.flatnonzero(~_bounding(diagram, given, offsets, corners, wedges))
+    free: Ints = np.flatnonzero(~_bounding(diagram, given, offsets, corners, wedges))
     widest = given.radius[given.lines[free]].max(axis=1, initial=0.0)
     *of_lines, free = measured(diagram.facet_points(given.edges[free]), widest, free)
     lines = given.lines[free]
     covered = np.zeros(len(given.points), bool)
     covered[corners] = covered[lines] = True
-    alone = np.flatnonzero(~covered[given.vertices])
+    alone: Ints = np.flatnonzero(~covered[given.vertices])
     widest = given.radius[given.vertices[alone]]
     *of_vertices, alone = measured(diagram.simplices[given.simplices[alone]], widest, alone)
     vertices = given.vertices[alone]
