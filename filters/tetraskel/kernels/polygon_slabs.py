@@ -73,13 +73,32 @@ def walls_from(polygon: Ints, ends: Floats, kind: Ints) -> Walls:
     return Walls(polygon[kept], ends[kept], kind[kept])
 
 
+def in_groups(group: Ints, value: Floats, last: Ints) -> Ints:
+    """Order by group, then value, then a last number, then place: `np.lexsort`, several times faster.
+
+    Values alone and small numbers alone are quickly sorted; equal values in a group are few and put right afterwards.
+    """
+    small = np.uint16 if group.max(initial=0) < 1 << 16 else np.int64
+    by_value = np.argsort(value)
+    order = by_value[np.argsort(group.astype(small)[by_value], kind="stable")]
+    ranked = group[order]
+    equal = np.flatnonzero((ranked[1:] == ranked[:-1]) & (value[order[1:]] == value[order[:-1]]))
+    if len(equal):
+        tied = np.zeros(int(group.max()) + 1, bool)
+        tied[ranked[equal]] = True
+        places = np.flatnonzero(tied[ranked])
+        rows = np.sort(order[places])
+        order[places] = rows[np.lexsort([last[rows], value[rows], group[rows]])]
+    return np.asarray(order)
+
+
 def slab_lines(walls: Walls, n_polygons: int) -> tuple[Floats, Ints]:
     """The u of the lines, ascending in each polygon, and (w, 2) the lines through each wall's left and right end.
 
     Lines closer than rounding are one.
     """
     polygon, u = np.repeat(walls.polygon, 2), walls.ends[:, :, 0].ravel()
-    order = np.lexsort([u, polygon])
+    order = in_groups(polygon, u, np.zeros(len(u), np.int8))
     polygon, u = polygon[order], u[order]
     first = np.searchsorted(polygon, np.arange(n_polygons))
     last = np.searchsorted(polygon, np.arange(n_polygons) + 1)
@@ -113,7 +132,7 @@ def cut_into_slabs(walls: Walls, n_polygons: int) -> tuple[Ints, Floats, Ints, F
     slab = np.arange(counts.sum()) + np.repeat(left - (np.cumsum(counts) - counts), counts)
     u = np.stack([lines[slab], lines[slab + 1]], axis=1) if len(slab) else np.empty((0, 2))
     heights = _heights(walls.ends[wall], u)
-    order = np.lexsort([walls.kind[wall], heights[:, 0] + heights[:, 1], slab])
+    order = in_groups(slab, heights[:, 0] + heights[:, 1], walls.kind[wall])
     return slab[order], u[order], wall[order], heights[order]
 
 

@@ -29,7 +29,7 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 BALL = 2.0  # bounding-box diagonals around the middle beyond which no part of a face is looked at
-FACES = 1 << 14  # faces at a time
+FACES = 1 << 12  # faces at a time
 TURN = 0.7  # radians: lines of slabs parallel to no edge of a shape drawn along the axes
 
 
@@ -49,16 +49,7 @@ def clipped_faces(
     plain = plain_edges(diagram, crossings, inside)
     for first in range(0, n, FACES):
         chosen = np.arange(first, min(first + FACES, n))
-        rows, starts = faces.rows(chosen)
-        part = VoronoiFaces(
-            faces.keys[chosen],
-            starts,
-            faces.cells[rows],
-            faces.behind[rows],
-            faces.ahead[rows],
-            faces.closed[chosen],
-        )
-        face, begins, corners = _clip(diagram, crossings, inside, plain, part)
+        face, begins, corners = _clip(diagram, crossings, inside, plain, faces.some(chosen))
         found.append((face + first, begins[:-1] + total, corners))
         total += len(corners)
     if not found:
@@ -120,9 +111,10 @@ def _own_walls(
     """Polygon, ends, kind, Voronoi edge and places on it, of the faces' own edges, counter-clockwise."""
     m = len(diagram.simplices)
     face = np.repeat(np.arange(len(faces.keys)), faces.counts)
-    opening = np.flatnonzero(diagram.neighbors.ravel()[faces.behind] < 0)
+    ahead, behind = faces.ahead, faces.behind
+    opening = np.flatnonzero(diagram.neighbors.ravel()[behind] < 0)
     rows = np.concatenate([np.arange(len(face)), opening])
-    edge = diagram.edge_of_half[np.concatenate([faces.ahead, faces.behind[opening]])].astype(np.int64)
+    edge = diagram.edges_of_halves(np.concatenate([ahead, behind[opening]]))
     incoming = np.arange(len(rows)) >= len(face)
     cell = faces.cells[rows]
     own_first = (diagram.ends[edge, 0] == cell) | (diagram.ends[edge, 1] >= m)

@@ -92,23 +92,44 @@ class VoronoiDiagram:
         return labels[self.ends[:, 0]], labels[np.minimum(self.ends[:, 1], len(self.inside))]
 
     @cached_property
-    def edge_of_half(self) -> Ints:
-        """(m * (d+1),) Voronoi edge of every facet of every simplex."""
-        m, width = self.simplices.shape
-        found = np.empty(m * width, np.int32)
-        numbers = np.arange(len(self.halves), dtype=np.int32)
-        found[self.halves] = numbers
-        inner = np.flatnonzero(self.ends[:, 1] < m)
-        beyond = self.neighbors[self.ends[inner, 1]] == self.ends[inner, 0][:, None]
-        found[self.ends[inner, 1] * np.int64(width) + beyond.argmax(axis=1)] = numbers[inner]
+    def _edge_of_first_half(self) -> Ints:
+        """(m * (d+1),) Voronoi edge of each facet of each simplex that is one of `halves`."""
+        found = np.empty(self.simplices.size, np.int32)
+        found[self.halves] = np.arange(len(self.halves), dtype=np.int32)
         return found
+
+    def edges_of_halves(self, halves: Ints) -> Ints:
+        """(k,) Voronoi edges of facets of simplices, simplex * (d+1) + opposite vertex."""
+        width = self.dim + 1
+        cells, beyond = halves // width, self.neighbors.ravel()[halves]
+        second = np.flatnonzero(beyond > cells)
+        first = halves.copy()
+        first[second] = self._facing(beyond[second], cells[second])
+        return self._edge_of_first_half[first].astype(np.int64)
+
+    def on_halves(self, flags: Bools) -> Bools:
+        """(m, d+1) flags of Voronoi edges (f,) for the facets of each simplex."""
+        result = np.zeros(self.simplices.size, bool)
+        chosen = np.flatnonzero(flags)
+        chosen = chosen if 2 * len(chosen) < len(flags) else np.flatnonzero(~flags)
+        result[self.halves[chosen]] = True
+        inner = chosen[self.ends[chosen, 1] < len(self.simplices)]
+        result[self._facing(self.ends[inner, 1], self.ends[inner, 0])] = True
+        result = result if flags[chosen[:1]].all() else ~result
+        return result.reshape(self.simplices.shape)
+
+    def _facing(self, cells: Ints, others: Ints) -> Ints:
+        """(k,) the facet of each cell behind which the other lies."""
+        width = self.dim + 1
+        beside = self.neighbors[cells] == others[:, None]
+        return np.asarray(cells.astype(np.int64) * width + beside.argmax(axis=1))
 
     def facet_points(self, edges: Ints) -> Ints:
         """(k, d) generators around each of k edges, ascending."""
         width = self.dim + 1
         cells, opposite = np.divmod(self.halves[edges], width)
-        kept = np.arange(width)[None, :] != opposite[:, None]
-        return np.sort(self.simplices[cells][kept].reshape(len(cells), width - 1), axis=1)
+        others = np.array([[i for i in range(width) if i != j] for j in range(width)])
+        return np.sort(self.simplices.ravel()[(cells * width)[:, None] + others[opposite]], axis=1)
 
 
 def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> VoronoiDiagram:
@@ -122,11 +143,12 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
     """
     coordinates, simplices, neighbors = mesh.coordinates, mesh.simplices, mesh.neighbors
     centres, radii, signs, centred = _balls(coordinates, simplices, neighbors, tick)
-    cells, opposite = np.nonzero(neighbors < np.arange(len(mesh), dtype=neighbors.dtype)[:, None])
-    beyond = neighbors[cells, opposite].astype(np.int64)
+    halves = np.flatnonzero(neighbors < np.arange(len(mesh), dtype=neighbors.dtype)[:, None])
+    cells = halves // simplices.shape[1]
+    beyond = neighbors.ravel()[halves].astype(np.int64)
     hull = np.flatnonzero(beyond < 0)
     beyond[hull] = len(mesh) + np.arange(len(hull))
-    far = _ray_ends(coordinates, simplices, centres, signs, cells[hull], opposite[hull])
+    far = _ray_ends(coordinates, simplices, centres, signs, cells[hull], halves[hull] % simplices.shape[1])
     return VoronoiDiagram(
         coordinates,
         simplices,
@@ -137,7 +159,7 @@ def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> 
         signs,
         centred,
         np.stack([cells, beyond], axis=1),
-        cells * np.int64(simplices.shape[1]) + opposite,
+        halves,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -12,7 +12,7 @@ from tetraskel.kernels.chunks import for_chunks
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_faces import VoronoiFaces, ordered, voronoi_faces
+from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, closed_rings, voronoi_faces
 from tetraskel.kernels.voronoi_lines import found_in
 from tetraskel.kernels.voronoi_sides import pieces_of_edges
 
@@ -23,7 +23,19 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Elements:
-    """Elements before simplification: points, and for each kind of element its points and its separation."""
+    """Elements before simplification: points, and for each kind of element its points and what it is dual to.
+
+    Attributes
+    ----------
+    points, radius, cells : (p, d), (p,), (p,)
+        As in `VoronoiSkeleton`.
+    vertices, lines, offsets, connectivity : (v,), (s, 2), (f+1,), (total,) int
+        Points of each element.
+    simplices, edges, keys : (v,), (s,), (f,) int
+        Delaunay simplex of each vertex, Voronoi edge of each line, key of the Delaunay edge of each polygon.
+    wedges : (total,) int, optional
+        Of each corner of the polygons (`VoronoiFaces`), where they are whole and no points are merged.
+    """
 
     points: Floats
     radius: Floats
@@ -32,27 +44,48 @@ class Elements:
     lines: Ints
     offsets: Ints
     connectivity: Ints
-    separations: tuple[Floats, Floats, Floats]
+    simplices: Ints
+    edges: Ints
+    keys: Ints
+    wedges: Ints | None = None
 
 
-def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> VoronoiFaces | None:
-    """Ordered Voronoi faces all of whose edges are `whole`, without those that are crossed; none in the plane."""
-    if diagram.dim == 2:
-        return None
-    flags = whole[diagram.edge_of_half].reshape(-1, 4)
-    faces = voronoi_faces(diagram, np.flatnonzero(flags.any(axis=1)))
-    chosen = faces.closed & faces.all_of(flags.ravel()[faces.ahead])
-    chosen &= ~found_in(faces.keys, crossed)
-    return ordered(diagram, faces, np.flatnonzero(chosen))
+def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, doubtful: Bools | None = None) -> VoronoiFaces:
+    """Ordered Voronoi faces that have all their edges.
+
+    Parameters
+    ----------
+    whole : (m, 4) bool
+        Half-facets whose Voronoi edges are whole.
+    crossed : (c,) int
+        Keys of faces that are left out.
+    doubtful : (m,) bool, optional
+        A face all of whose vertices are doubtful is left out.
+    """
+    between = wedges_between(whole)
+    faces = voronoi_faces(diagram, between)
+    if (diagram.signs == 0).any():  # flat simplices may lie around an edge twice
+        crossed = np.concatenate([crossed, voronoi_faces(diagram, ~between).keys])
+    if len(crossed):
+        faces = faces.some(np.flatnonzero(~found_in(faces.keys, crossed)))
+    faces = closed_rings(diagram, faces)
+    if doubtful is not None and doubtful.any():
+        faces = faces.some(np.flatnonzero(faces.any_of(~doubtful[faces.cells])))
+    return faces
+
+
+def wedges_between(flags: Bools) -> Bools:
+    """(m, 6) tetrahedra at those of their edges beside which both half-facets have (m, 4) flags."""
+    beside = np.array([others for _, _, *others in EDGES]).T
+    return np.asarray(flags[:, beside[0]] & flags[:, beside[1]])
 
 
 def of_cells(diagram: VoronoiDiagram, cells: Ints, edges: Ints, faces: VoronoiFaces | None) -> Elements:
     """Whole Voronoi vertices, edges and faces."""
-    number = np.full(len(diagram.simplices), -1, np.int64)
+    m, none = len(diagram.simplices), np.empty(0, np.int64)
+    number = np.full(m, -1, np.int64)
     number[cells] = np.arange(len(cells))
-    keys = np.empty(0, np.int64) if faces is None else faces.keys
-    ends = np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
-    x = diagram.coordinates
+    corners = none if faces is None else faces.cells
     return Elements(
         diagram.positions[cells],
         diagram.radii[cells],
@@ -60,13 +93,17 @@ def of_cells(diagram: VoronoiDiagram, cells: Ints, edges: Ints, faces: VoronoiFa
         np.arange(len(cells)),
         number[diagram.ends[edges]],
         np.zeros(1, np.int64) if faces is None else faces.starts,
-        np.empty(0, np.int64) if faces is None else number[faces.cells],
-        (_longest(x, diagram.simplices[cells]), _longest(x, diagram.facet_points(edges)), _longest(x, ends)),
+        corners if len(cells) == m else number[corners],
+        cells,
+        edges,
+        none if faces is None else faces.keys,
+        none if faces is None else faces.wedges,
     )
 
 
-def _longest(x: Floats, simplices: Ints) -> Floats:
-    """(k,) longest edge of simplices."""
+def separations(diagram: VoronoiDiagram, simplices: Ints) -> Floats:
+    """(k,) longest edge of simplices of any dimension: how far apart the points are that an element is nearest to."""
+    x = diagram.coordinates
     found = np.empty(len(simplices))
 
     def work(piece: slice) -> None:
@@ -94,15 +131,13 @@ def with_pieces(diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, 
     lines[added] = len(whole.points) + np.arange(len(added))
     points = positions.reshape(-1, 2)[added]
     away = points - diagram.coordinates[generators[added // 2, 0]]
-    return Elements(
-        np.concatenate([whole.points, points]),
-        np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
-        np.concatenate([whole.cells, np.full(len(added), -1)]),
-        whole.vertices,
-        lines.reshape(-1, 2),
-        whole.offsets,
-        whole.connectivity,
-        (whole.separations[0], _longest(diagram.coordinates, generators), whole.separations[2]),
+    return replace(
+        whole,
+        points=np.concatenate([whole.points, points]),
+        radius=np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
+        cells=np.concatenate([whole.cells, np.full(len(added), -1)]),
+        lines=lines.reshape(-1, 2),
+        edges=edges,
     )
 
 
@@ -114,13 +149,13 @@ def with_polygons(
     generators = cut.generators[face]
     away = corners - diagram.coordinates[np.repeat(generators[:, 0], np.diff(starts))]
     n_whole = len(whole.points)
-    return Elements(
-        np.concatenate([whole.points, corners]),
-        np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
-        np.concatenate([whole.cells, np.full(len(corners), -1)]),
-        whole.vertices,
-        whole.lines,
-        np.concatenate([whole.offsets, starts[1:] + whole.offsets[-1]]),
-        np.concatenate([whole.connectivity, n_whole + np.arange(len(corners))]),
-        (*whole.separations[:2], np.concatenate([whole.separations[2], _longest(diagram.coordinates, generators)])),
+    return replace(
+        whole,
+        points=np.concatenate([whole.points, corners]),
+        radius=np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
+        cells=np.concatenate([whole.cells, np.full(len(corners), -1)]),
+        offsets=np.concatenate([whole.offsets, starts[1:] + whole.offsets[-1]]),
+        connectivity=np.concatenate([whole.connectivity, n_whole + np.arange(len(corners))]),
+        keys=np.concatenate([whole.keys, cut.keys[face]]),
+        wedges=None,
     )

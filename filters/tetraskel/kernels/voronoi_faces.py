@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import for_chunks
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_lines import edge_keys_of, split_keys
+from tetraskel.kernels.voronoi_lines import split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -18,6 +19,15 @@ Bools = NDArray[np.bool_]
 # Edges (i, j) of a tetrahedron with the two others (k, l), so that (i, j, k, l) is an even permutation: in a positive
 # one, k to l is counter-clockwise around i to j.
 EDGES = ((0, 1, 2, 3), (0, 2, 3, 1), (0, 3, 1, 2), (1, 2, 0, 3), (1, 3, 2, 0), (2, 3, 0, 1))
+
+
+# A wedge is a tetrahedron at one of its edges, as 16 * tetrahedron + 2 * row of EDGES + whether the others change
+# places: l is ahead and k behind then, else k ahead and l behind.
+WEDGE_BITS = 4
+AHEAD = np.array([side for edge in EDGES for side in (edge[2], edge[3])] + [0] * 4)
+BEHIND = np.array([side for edge in EDGES for side in (edge[3], edge[2])] + [0] * 4)
+MOST_BITS = 63
+LONGEST_RING = 32  # longer rings are rare, and comparing each of their tetrahedra with each other is slow
 
 
 @dataclass(frozen=True)
@@ -29,22 +39,15 @@ class VoronoiFaces:
     keys : (q,) int
         `edge_keys_of` the two generators.
     starts : (q+1,) int
-        Where the ring of each face begins in the arrays below.
-    cells : (total,) int
+        Where the ring of each face begins in the wedges.
+    wedges : (total,) int
         Tetrahedra around the edge: the face's vertices are their circumcentres. Counter-clockwise around the edge from
-        its smaller to its larger point once `ordered`.
-    behind, ahead : (total,) int
-        Half-facets (simplex * 4 + opposite vertex) between each tetrahedron and the one before and after it.
-    closed : (q,) bool
-        The ring closes; else the face has no end.
+        its smaller to its larger point once `ordered`, else ascending.
     """
 
     keys: Ints
     starts: Ints
-    cells: Ints
-    behind: Ints
-    ahead: Ints
-    closed: Bools
+    wedges: Ints
 
     @property
     def counts(self) -> Ints:
@@ -56,13 +59,25 @@ class VoronoiFaces:
         """(q, 2) points of each edge."""
         return np.stack(split_keys(self.keys), axis=1)
 
-    def all_of(self, flags: Bools) -> Bools:
-        """(q,) faces all of whose ring has (total,) flags."""
-        return np.logical_and.reduceat(flags, self.starts[:-1]) if len(self.keys) else np.empty(0, bool)
+    @cached_property
+    def cells(self) -> Ints:
+        """(total,) tetrahedron of each wedge."""
+        return self.wedges >> WEDGE_BITS
+
+    @property
+    def ahead(self) -> Ints:
+        """(total,) half-facets (simplex * 4 + opposite vertex) between each tetrahedron and the one after it."""
+        return _half_facets(self.wedges, AHEAD)
+
+    @property
+    def behind(self) -> Ints:
+        """(total,) half-facets between each tetrahedron and the one before it."""
+        return _half_facets(self.wedges, BEHIND)
 
     def any_of(self, flags: Bools) -> Bools:
         """(q,) faces some of whose ring has (total,) flags."""
-        return np.logical_or.reduceat(flags, self.starts[:-1]) if len(self.keys) else np.empty(0, bool)
+        found = np.concatenate([[0], np.cumsum(flags)])[self.starts]
+        return np.asarray(found[1:] > found[:-1])
 
     def rows(self, faces: Ints) -> tuple[Ints, Ints]:
         """Places in the rings of some faces, face after face, and where each begins."""
@@ -70,91 +85,148 @@ class VoronoiFaces:
         starts = np.concatenate([[0], np.cumsum(counts)])
         return np.arange(starts[-1]) + np.repeat(self.starts[faces] - starts[:-1], counts), starts
 
+    def some(self, faces: Ints) -> VoronoiFaces:
+        """Some of the faces."""
+        rows, starts = self.rows(faces)
+        return VoronoiFaces(self.keys[faces], starts, self.wedges[rows])
 
-def voronoi_faces(diagram: VoronoiDiagram, cells: Ints) -> VoronoiFaces:
-    """Faces around the edges of some tetrahedra, their rings as far as those tetrahedra go, not yet in order.
 
-    Strategy: every tetrahedron names its six edges; sorting the names brings the rings together.
+def _half_facets(wedges: Ints, opposite: Ints) -> Ints:
+    return np.asarray((wedges >> WEDGE_BITS) * 4 + opposite[wedges & (2**WEDGE_BITS - 1)])
+
+
+def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
+    """Faces around edges of tetrahedra, their rings as far as the wanted wedges go, not yet in order.
+
+    Strategy: every tetrahedron names its edges; sorting the names brings the rings together. Where edge and wedge fit
+    into one number, the numbers alone are sorted, which is several times faster than to find their order.
+
+    Parameters
+    ----------
+    wanted : (m, 6) bool
+        Tetrahedra at their edges, in the order of EDGES.
     """
-    simplices, n = diagram.simplices[cells], len(cells)
-    keys = np.stack([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j, _, _ in EDGES])
-    order = np.argsort(keys.ravel())
-    ranked = keys.ravel()[order]
-    first = np.flatnonzero(np.diff(ranked, prepend=-1) != 0)
-    slot, row = np.divmod(order, n) if n else (order, order)
-    # which of the others lies ahead depends on the orientation, of the tetrahedron and of the edge
-    swapped = np.stack([simplices[:, i] > simplices[:, j] for i, j, _, _ in EDGES]).ravel()[order]
-    swapped ^= (diagram.signs[cells] < 0)[row]
-    table = np.array(EDGES)
-    third, fourth = table[slot, 2], table[slot, 3]
-    back, front = np.where(swapped, third, fourth), np.where(swapped, fourth, third)
-    cell = cells[row]
-    behind, ahead = cell * np.int64(4) + back, cell * np.int64(4) + front
-    starts = np.append(first, len(ranked))
-    taken = np.zeros(len(diagram.simplices) + 1, bool)
-    taken[cells] = True
-    gap = ~taken[diagram.neighbors.ravel()[behind]]
-    closed = ~np.logical_or.reduceat(gap, first) if len(first) else np.empty(0, bool)
-    return VoronoiFaces(ranked[first], starts, cell, behind, ahead, closed)
+    edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
+    wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
+    in_one = 2 * edge_bits + wedge_bits <= MOST_BITS
+    names, wedges = [], []
+    negative = diagram.signs < 0
+    for slot, (i, j, _, _) in enumerate(EDGES):
+        cells = np.flatnonzero(wanted[:, slot])
+        first, second = diagram.simplices[cells, i].astype(np.int64), diagram.simplices[cells, j].astype(np.int64)
+        swapped = (first > second) ^ negative[cells]
+        wedge = cells << WEDGE_BITS
+        wedge += 2 * slot
+        wedge += swapped
+        name = np.minimum(first, second) << edge_bits
+        name |= np.maximum(first, second)
+        names.append((name << wedge_bits) | wedge if in_one else name)
+        wedges.append(wedge)
+    ranked, ring = _sorted(np.concatenate(names), np.concatenate(wedges), wedge_bits if in_one else 0)
+    begins = np.flatnonzero(np.diff(ranked, prepend=-1) != 0)
+    keys = ((ranked[begins] >> edge_bits) << 32) | (ranked[begins] & ((1 << edge_bits) - 1))
+    return VoronoiFaces(keys, np.append(begins, len(ranked)), ring)
 
 
-def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> VoronoiFaces:
-    """Some of the faces with their rings counter-clockwise; one without an end begins behind the gap.
+def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:
+    """Names ascending, with their wedges, ascending among equal names; both are in the names if these have the bits."""
+    if wedge_bits:
+        names.sort()
+        return names >> wedge_bits, names & ((1 << wedge_bits) - 1)
+    order = np.lexsort([wedges, names])
+    return names[order], wedges[order]
 
-    A tetrahedron's place is the angle at which its facet `behind` stands around the Delaunay edge.
+
+def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces) -> VoronoiFaces:
+    """The faces with their rings counter-clockwise, from the first tetrahedron; one without an end from its gap."""
+    walked, ended, misled = _walked(diagram, faces)
+    return _relinked(diagram, walked, np.flatnonzero(ended | misled))
+
+
+def closed_rings(diagram: VoronoiDiagram, faces: VoronoiFaces) -> VoronoiFaces:
+    """Those of the faces whose rings close, counter-clockwise, from the first tetrahedron."""
+    walked, ended, misled = _walked(diagram, faces)
+    doubtful = np.flatnonzero(misled)
+    beside, starts = _beside(diagram, walked, doubtful)[1:]
+    gaps = np.concatenate([[0], np.cumsum((beside < 0).any(axis=1))])[starts]
+    ended[doubtful[gaps[1:] > gaps[:-1]]] = True
+    if ended.any():
+        kept = np.flatnonzero(~ended)
+        walked, misled = walked.some(kept), misled[kept]
+    return _relinked(diagram, walked, np.flatnonzero(misled))
+
+
+def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces, Bools, Bools]:
+    """The faces with their rings followed ahead, and whose do not close.
+
+    Returns
+    -------
+    faces : VoronoiFaces
+        As before where the ring does not close.
+    ended : (q,) bool
+        The ring has an end.
+    misled : (q,) bool
+        It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
-    starts = np.concatenate([[0], np.cumsum(faces.counts[chosen])])
-    order = np.empty(starts[-1], np.int64)
+    counts = faces.counts
+    wedges = faces.wedges.copy()
+    ended, misled = np.zeros(len(counts), bool), np.zeros(len(counts), bool)
+    by_count = np.argsort(np.minimum(counts, LONGEST_RING + 1).astype(np.uint8), kind="stable")
+    bounds = np.searchsorted(counts[by_count], np.arange(LONGEST_RING + 2))
+    misled[by_count[bounds[-1] :]] = True
 
-    def work(piece: slice) -> None:
-        order[starts[piece.start] : starts[piece.stop]] = _by_angle(diagram, faces, chosen[piece])
+    def work(piece: slice, chosen: Ints, count: int) -> None:
+        some = chosen[piece]
+        rows = faces.starts[some] + np.arange(count)[:, None]
+        wedges[rows], ended[some], misled[some] = _follow(diagram, faces.wedges[rows])
 
-    for_chunks(work, len(chosen))
-    sorted_ = VoronoiFaces(
-        faces.keys[chosen], starts, faces.cells[order], faces.behind[order], faces.ahead[order], faces.closed[chosen]
-    )
-    return _relinked(diagram, sorted_, np.flatnonzero(_broken(diagram, sorted_)))
+    for count in range(1, LONGEST_RING + 1):
+        chosen = by_count[bounds[count] : bounds[count + 1]]
+        for_chunks(partial(work, chosen=chosen, count=count), len(chosen))
+    return VoronoiFaces(faces.keys, faces.starts, wedges), ended, misled
 
 
-def _by_angle(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> Ints:
-    """Rows of the rings of some faces, counter-clockwise."""
+def _follow(diagram: VoronoiDiagram, rings: Ints) -> tuple[Ints, Bools, Bools]:
+    """(count, k) rings, one per column, each wedge before the one ahead of it; which have an end, and which are misled.
+
+    Strategy: all tetrahedra of a ring are compared with all that lie ahead of one, a row with a row.
+    """
+    count, k = rings.shape
+    cells = (rings >> WEDGE_BITS).astype(np.int32)
+    wanted = diagram.neighbors.ravel()[_half_facets(rings, AHEAD)].astype(np.int32)
+    after = np.zeros((count, k), np.int8)  # row of the next one, from 1 on
+    for row in range(count):
+        after += (cells[row] == wanted).view(np.int8) * np.int8(row + 1)
+    ended = (after == 0).any(axis=0)
+    result = rings.copy()
+    column, at, closes = np.arange(k), np.zeros(k, np.int64), ~ended
+    for row in range(1, count):
+        at = np.maximum(after.ravel()[at * k + column] - np.int64(1), 0)
+        closes &= at > 0
+        result[row] = rings.ravel()[at * k + column]
+    closes &= after.ravel()[at * k + column] == 1
+    closes &= count > 2  # one flat one turned the wrong way, and two look at each other
+    return np.where(closes, result, rings), ended, ~closes & ~ended
+
+
+def _beside(diagram: VoronoiDiagram, faces: VoronoiFaces, chosen: Ints) -> tuple[Ints, Ints, Ints]:
+    """Of the wedges of some faces: their rows, those of the wedges ahead and behind (k, 2) among them, -1 where there
+    is none, and where each face begins.
+    """
     rows, starts = faces.rows(chosen)
     face = np.repeat(np.arange(len(chosen)), np.diff(starts))
-    behind = faces.behind[rows]
-    low, high = split_keys(faces.keys[chosen])
-    x = diagram.coordinates
-    first_way, second_way, _ = frames(x[high] - x[low])
-    third = diagram.simplices.ravel()[faces.ahead[rows]]  # the facet behind holds the vertex opposite to the one ahead
-    way = x[third] - x[low][face]
-    angle = np.arctan2(np.einsum("ka,ka->k", way, second_way[face]), np.einsum("ka,ka->k", way, first_way[face]))
-    open_at = np.flatnonzero(diagram.neighbors.ravel()[behind] < 0)
-    zero = np.full(len(chosen), -np.pi)
-    zero[face[open_at]] = angle[open_at]
-    angle = np.mod(angle - zero[face], 2 * np.pi)
-    angle[open_at] = 0.0
-    return np.asarray(rows[np.argsort(8.0 * face + angle)])  # one key, several times faster to sort by than two
-
-
-def _broken(diagram: VoronoiDiagram, faces: VoronoiFaces) -> Bools:
-    """(q,) faces whose ring does not go from neighbour to neighbour: angles of flat tetrahedra are rounding."""
-    after = np.arange(1, len(faces.cells) + 1)
-    last = faces.starts[1:] - 1
-    after[last] = faces.starts[:-1]
-    beyond, before = diagram.neighbors.ravel()[faces.ahead], diagram.neighbors.ravel()[faces.behind]
-    linked = (beyond == faces.cells[after]) & (before[after] == faces.cells)
-    ends = last[~faces.closed]
-    linked[ends] = (beyond[ends] < 0) & (before[after[ends]] < 0)
-    return ~faces.all_of(linked)
+    wedges = faces.wedges[rows]
+    sides = np.stack([_half_facets(wedges, AHEAD), _half_facets(wedges, BEHIND)], axis=1)
+    cells = wedges >> WEDGE_BITS
+    return rows, _rows_of(diagram.neighbors.ravel()[sides], cells, face, len(diagram.simplices)), starts
 
 
 def _relinked(diagram: VoronoiDiagram, faces: VoronoiFaces, broken: Ints) -> VoronoiFaces:
     """The faces with the rings of `broken` ones followed from neighbour to neighbour, all at once."""
     if len(broken) == 0:
         return faces
-    rows, starts = faces.rows(broken)
+    rows, beside, starts = _beside(diagram, faces, broken)
     face = np.repeat(np.arange(len(broken)), np.diff(starts))
-    sides = np.stack([faces.ahead[rows], faces.behind[rows]], axis=1)
-    beside = _rows_of(diagram.neighbors.ravel()[sides], faces.cells[rows], face, len(diagram.simplices))
     first = starts[:-1].copy()
     at_gap = np.flatnonzero((beside < 0).any(axis=1))
     first[face[at_gap]] = at_gap
@@ -168,15 +240,14 @@ def _relinked(diagram: VoronoiDiagram, faces: VoronoiFaces, broken: Ints) -> Vor
         came[walking], here[walking] = now, beside[now, back.astype(np.int64)]
         here[walking] = np.where(here[walking] < 0, now, here[walking])
     solid = diagram.signs[faces.cells[rows[order]]] != 0
-    backwards = np.bincount(face, np.where(solid, np.where(by_second, 1, -1), 0), minlength=len(broken)) > 0
+    votes = np.where(by_second, 1, -1) * np.where(solid, len(rows) + 1, 1)  # the flat ones say what they can
+    backwards = np.bincount(face, votes, minlength=len(broken)) > 0
     turned = backwards[face]
     place = np.where(turned, starts[face] + starts[face + 1] - 1 - np.arange(len(rows)), np.arange(len(rows)))
     order, by_second = order[place], by_second[place] ^ turned
-    cells, behind, ahead = faces.cells.copy(), faces.behind.copy(), faces.ahead.copy()
-    cells[rows] = faces.cells[rows[order]]
-    ahead[rows] = sides[order, by_second.astype(np.int64)]
-    behind[rows] = sides[order, 1 - by_second.astype(np.int64)]
-    return VoronoiFaces(faces.keys, faces.starts, cells, behind, ahead, faces.closed)
+    wedges = faces.wedges.copy()
+    wedges[rows] = faces.wedges[rows[order]] ^ by_second  # the last bit tells ahead from behind
+    return VoronoiFaces(faces.keys, faces.starts, wedges)
 
 
 def _rows_of(wanted: Ints, cells: Ints, face: Ints, n_cells: int) -> Ints:

@@ -7,6 +7,7 @@ generator bounds its interval from one side.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ Bools = NDArray[np.bool_]
 
 # A place within this share of a line's length from where it ends may be that end, up to rounding.
 ON_BORDER = 1e-9
+MOST_BITS = 63
 LINES = 1 << 12  # lines at a time: some ten neighbours each
 
 
@@ -30,55 +32,111 @@ class Neighbours:
 
     def __init__(self, coordinates: Floats, simplices: Ints, asked: Bools) -> None:
         """Prepare for the generators where (n,) `asked` holds and those beside them."""
+        n, dim = coordinates.shape
         self.coordinates, self._simplices = coordinates, simplices
-        self._known = np.zeros(len(coordinates), bool)
-        self._extend(asked)
+        self._known = np.zeros(n, bool)
+        self._first, self._count = np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self._pairs = self.targets = np.empty(0, np.int64)
+        self.ways = np.empty((dim, 0))  # (d, total) to each neighbour: long rows are what NumPy is fast on
+        self.squares = np.empty(0)
+        self._n_rows = 0
+        columns = [asked[column] for column in simplices.T]
+        self._extend(np.flatnonzero(np.logical_or.reduce(columns)))
 
-    def _extend(self, asked: Bools) -> None:
-        cells = self._simplices[asked[self._simplices].any(axis=1)]
-        self._known |= asked
-        self._known[cells] = True
-        cells = self._simplices[self._known[self._simplices].any(axis=1)]
-        self.keys = unique_edges(cells)
-        low, high = split_keys(self.keys)
-        ends = np.concatenate([low, high])
-        others = np.concatenate([high, low])
-        order = np.argsort(ends, kind="stable")
-        self.targets = others[order]
-        self._starts = np.searchsorted(ends[order], np.arange(len(self.coordinates) + 1))
-        ways = self.coordinates[self.targets] - self.coordinates[ends[order]]
-        self.ways = np.ascontiguousarray(ways.T)  # (d, total) to each neighbour: long rows are what NumPy is fast on
-        self.squares = np.einsum("ka,ka->k", ways, ways)
+    @cached_property
+    def _around(self) -> tuple[Ints, Ints]:
+        """Simplices around each generator, one after another, and where each begins."""
+        m, width = self._simplices.shape
+        if len(self._known).bit_length() + m.bit_length() > MOST_BITS:
+            order = np.argsort(self._simplices, axis=None, kind="stable")
+            return order // width, np.searchsorted(self._simplices.ravel()[order], np.arange(len(self._known) + 1))
+        bits = m.bit_length()  # several times faster to sort one number than to find the order of another
+        names = ((self._simplices.T.astype(np.int64) << bits) | np.arange(m)).ravel()
+        names.sort()
+        return names & ((1 << bits) - 1), np.searchsorted(names >> bits, np.arange(len(self._known) + 1))
+
+    def _cells_around(self, generators: Ints) -> Ints:
+        """Simplices that have one of the generators."""
+        if 4 * len(generators) > len(self._known):
+            asked = np.zeros(len(self._known), bool)
+            asked[generators] = True
+            return np.flatnonzero(np.logical_or.reduce([asked[column] for column in self._simplices.T]))
+        cells, starts = self._around
+        return _once(cells[_ranges(starts[generators], starts[generators + 1] - starts[generators])])
+
+    def _extend(self, cells: Ints) -> None:
+        """Find the neighbours of all corners of some simplices."""
+        new = np.zeros(len(self._known), bool)
+        new[self._simplices[cells]] = True
+        new &= ~self._known
+        generators = np.flatnonzero(new)
+        self._known |= new
+        low, high = split_keys(unique_edges(self._simplices[self._cells_around(generators)]))
+        pairs = np.concatenate([_directed(low, high)[new[low]], _directed(high, low)[new[high]]])
+        pairs.sort()
+        sources, targets = pairs >> 33, pairs & 0xFFFFFFFF
+        first, last = np.searchsorted(sources, generators), np.searchsorted(sources, generators, "right")
+        self._first[generators], self._count[generators] = self._n_rows + first, last - first
+        ways = self.coordinates[targets] - self.coordinates[sources]
+        new_rows = slice(self._n_rows, self._n_rows + len(targets))
+        self._make_room(new_rows.stop)
+        self.targets[new_rows], self.ways[:, new_rows] = targets, ways.T
+        self.squares[new_rows] = np.einsum("ka,ka->k", ways, ways)
+        self._n_rows = new_rows.stop
+        self._pairs = np.sort(np.concatenate([self._pairs, pairs]), kind="stable")  # runs in order are merged
+
+    def _make_room(self, n_rows: int) -> None:
+        """Arrays of twice that many rows where there are fewer: they grow often, and are seldom copied."""
+        if n_rows > len(self.targets):
+            more = 2 * n_rows - len(self.targets) if self._n_rows else n_rows
+            self.targets = np.concatenate([self.targets, np.empty(more, np.int64)])
+            self.ways = np.concatenate([self.ways, np.empty((len(self.ways), more))], axis=1)
+            self.squares = np.concatenate([self.squares, np.empty(more)])
 
     def of(self, generators: Ints) -> tuple[Ints, Ints]:
         """Rows of the neighbours of each generator in `targets`, one after another, and how many each has."""
-        counts = self._starts[generators + 1] - self._starts[generators]
-        offsets = np.cumsum(counts) - counts
-        return np.arange(counts.sum()) + np.repeat(self._starts[generators] - offsets, counts), counts
+        counts = self._count[generators]
+        return _ranges(self._first[generators], counts), counts
 
     def prepare(self, generators: Ints) -> None:
         """Make sure that the neighbours of these generators are known."""
-        if not self._known[generators].all():
-            asked = self._known.copy()
-            asked[generators] = True
-            self._extend(asked)
+        missing = ~self._known[generators]
+        if missing.any():
+            cells = self._cells_around(_once(generators[missing]))
+            cells = self._cells_around(_once(self._simplices[cells].ravel()))  # who goes far goes farther
+            self._extend(cells)
 
     def joined(self, first: Ints, second: Ints) -> Bools:
         """Whether pairs are Delaunay edges; one of each pair must be prepared."""
-        keys = edge_keys_of(first, second)
-        place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
-        return np.asarray(self.keys[place] == keys)
+        known = self._known[first]
+        pairs = _directed(np.where(known, first, second), np.where(known, second, first))
+        place = np.minimum(np.searchsorted(self._pairs, pairs), len(self._pairs) - 1)
+        return np.asarray(self._pairs[place] == pairs)
+
+
+def _directed(source: Ints, target: Ints) -> NDArray[np.int64]:
+    """One number per pair, by its source; targets above it come first."""
+    return (source << 33) | ((target < source).astype(np.int64) << 32) | target
+
+
+def _ranges(starts: Ints, counts: Ints) -> Ints:
+    """The numbers of ranges, one range after another."""
+    return np.arange(counts.sum()) + np.repeat(starts - (np.cumsum(counts) - counts), counts)
 
 
 def unique_edges(simplices: Ints) -> Ints:
     """Keys of the edges of some simplices, ascending."""
     width = simplices.shape[1]
     pairs = [(i, j) for i in range(width) for j in range(i)]
-    keys = np.concatenate([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j in pairs])
-    keys.sort()  # several times faster than np.unique, which hashes
-    first = np.ones(len(keys), bool)
-    first[1:] = keys[1:] != keys[:-1]
-    return keys[first]
+    return _once(np.concatenate([edge_keys_of(simplices[:, i], simplices[:, j]) for i, j in pairs]))
+
+
+def _once(values: Ints) -> Ints:
+    """The values, ascending, each once; many times faster than np.unique, which hashes."""
+    ranked = np.sort(values)
+    first = np.ones(len(ranked), bool)
+    first[1:] = ranked[1:] != ranked[:-1]
+    return ranked[first]
 
 
 def found_in(values: NDArray, among: NDArray) -> Bools:

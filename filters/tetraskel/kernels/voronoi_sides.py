@@ -15,7 +15,7 @@ from tetraskel.kernels.barycentric import barycentric_coordinates
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import found_in
-from tetraskel.kernels.walking import LONGEST_WALK, walk_to
+from tetraskel.kernels.walking import walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -68,13 +68,15 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> I
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
-    m, width = diagram.simplices.shape
+    m = len(diagram.simplices)
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
-    crossed |= touching[diagram.ends].any(axis=1)
-    joined &= ~crossed[diagram.edge_of_half].reshape(m, width)
-    starts = np.concatenate([[0], np.cumsum(joined.sum(axis=1))])
+    if touching.any():
+        crossed |= touching[diagram.ends].any(axis=1)
+    joined &= ~diagram.on_halves(crossed)
+    counts = np.add.reduce([column.view(np.int8) for column in np.ascontiguousarray(joined.T)], dtype=np.int8)
+    starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
     graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
     return np.asarray(connected_components(graph, directed=False)[1])
 
@@ -135,10 +137,6 @@ def locate(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Bools:
     """(k,) whether places lie in the object, by a walk to each from a simplex."""
     homes = walk_to(diagram.coordinates, diagram.simplices, diagram.neighbors, start, spots)
     holds = _hold(diagram, homes, spots)
-    if (diagram.signs == 0).any():  # such a walk does not come through flat simplices, which show nothing
-        lost = np.flatnonzero(~holds)
-        homes[lost] = _wander(diagram, np.asarray(start)[lost], spots[lost])
-        holds[lost] = _hold(diagram, homes[lost], spots[lost])
     return holds & np.append(diagram.inside, False)[homes]
 
 
@@ -149,31 +147,6 @@ def _hold(diagram: VoronoiDiagram, homes: Ints, spots: Floats) -> Bools:
     weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[homes[rows]], spots[rows])
     result[rows] = weights.min(axis=1) >= -ABOUT
     return result
-
-
-def _wander(diagram: VoronoiDiagram, start: Ints, spots: Floats) -> Ints:
-    """Simplex that holds each place, or -1, by walks that leave flat simplices by a facet drawn by lot.
-
-    They may come out on the wrong side, and are sent back into the flat simplex by the next one, until they are lucky.
-    """
-    at, active = np.array(start, dtype=np.int64), np.arange(len(start))
-    for turn in range(LONGEST_WALK):
-        if len(active) == 0:
-            break
-        cells = at[active]
-        weights = barycentric_coordinates(diagram.coordinates, diagram.simplices[cells], spots[active])
-        ahead = diagram.neighbors[cells]
-        lots = scramble(scramble(ahead.astype(np.uint64)) + np.uint64(turn)) >> np.uint64(11)
-        weights = np.where(np.isneginf(weights), -1.0 - lots.astype(float), weights)
-        arrived = weights.min(axis=1) >= -ABOUT
-        weights[(ahead < 0) | (weights >= 0)] = np.inf
-        way = weights.argmin(axis=1)
-        rows = np.arange(len(cells))
-        target = np.where(np.isinf(weights[rows, way]), -1, ahead[rows, way])
-        at[active] = np.where(arrived, cells, target)
-        active = active[~arrived & (target >= 0)]
-    at[active] = -1
-    return at
 
 
 def touching(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> Bools:

@@ -8,12 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.voronoi_elements import Elements
-from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in
+from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
+from tetraskel.kernels.voronoi_elements import Elements, separations
+from tetraskel.kernels.voronoi_faces import EDGES, WEDGE_BITS
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+
+LIKELY_BITS = 22  # of a name, looked up in a table
 
 
 @dataclass(frozen=True)
@@ -68,16 +72,15 @@ def merged(given: Elements, step: float) -> Elements:
     names = scramble(grid[:, 0])
     for column in grid.T[1:]:
         names = scramble(names + column)
-    once, first, back = np.unique(names, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    number = np.empty(len(once), np.int64)
-    number[order] = np.arange(len(once))
-    number, first = number[back.ravel()], first[order]
+    stands_for = _first_of_each(names)
+    is_first = stands_for == np.arange(len(names))
+    if is_first.all():
+        return given
+    first, number = np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[stands_for]
     lines = number[given.lines]
     kept = lines[:, 0] != lines[:, 1]
     offsets, corners, polygons = _without_repeats(given.offsets, number[given.connectivity])
     vertices, which = np.unique(number[given.vertices], return_index=True)
-    of_vertices, of_lines, of_polygons = given.separations
     return Elements(
         given.points[first],
         given.radius[first],
@@ -86,8 +89,27 @@ def merged(given: Elements, step: float) -> Elements:
         lines[kept],
         offsets,
         corners,
-        (of_vertices[which], of_lines[kept], of_polygons[polygons]),
+        given.simplices[which],
+        given.edges[kept],
+        given.keys[polygons],
     )
+
+
+def _first_of_each(names: NDArray[np.uint64]) -> Ints:
+    """(p,) first place with the same name.
+
+    Strategy: to sort names is several times faster than to find their order, which is done for those that come twice.
+    """
+    result = np.arange(len(names))
+    ranked = np.sort(names)
+    twice = np.zeros(1 << LIKELY_BITS, bool)
+    twice[ranked[1:][ranked[1:] == ranked[:-1]] >> np.uint64(64 - LIKELY_BITS)] = True
+    some = np.flatnonzero(twice[names >> np.uint64(64 - LIKELY_BITS)])
+    order = some[np.argsort(names[some], kind="stable")]
+    begins = np.ones(len(order), bool)
+    begins[1:] = names[order[1:]] != names[order[:-1]]
+    result[order] = order[begins][np.cumsum(begins) - 1]
+    return result
 
 
 def _without_repeats(offsets: Ints, corners: Ints) -> tuple[Ints, Ints, Ints]:
@@ -104,31 +126,44 @@ def _without_repeats(offsets: Ints, corners: Ints) -> tuple[Ints, Ints, Ints]:
     return np.concatenate([[0], np.cumsum(counts[real])]), corners[kept], np.flatnonzero(real)
 
 
-def simplified(given: Elements, least_separation: float, least_angle: float) -> VoronoiSkeleton:
-    """Elements that are far enough apart from the points, without lines and vertices that others contain."""
+def simplified(
+    diagram: VoronoiDiagram, given: Elements, least_separation: float, least_angle: float
+) -> VoronoiSkeleton:
+    """Elements that are far enough apart from the points, without lines and vertices that others contain.
+
+    Polygons come first: of a volume most lines and vertices are theirs, and nothing more is asked of those.
+    """
     counts = np.diff(given.offsets)
-    polygon_of = np.repeat(np.arange(len(counts)), counts)
-    widest = (
-        given.radius[given.vertices],
-        given.radius[given.lines].max(axis=1, initial=0.0),
-        np.maximum.reduceat(given.radius[given.connectivity], given.offsets[:-1]) if len(counts) else np.empty(0),
-    )
-    angles = [_angles(*pair) for pair in zip(given.separations, widest, strict=True)]
-    vertex_kept, line_kept, polygon_kept = (
-        (separation >= least_separation) & (angle >= least_angle)
-        for separation, angle in zip(given.separations, angles, strict=True)
-    )
-    corners = given.connectivity[polygon_kept[polygon_of]]
-    offsets = np.concatenate([[0], np.cumsum(counts[polygon_kept])])
-    line_kept &= ~_bounding(given.lines, offsets, corners)
-    lines = given.lines[line_kept]
+
+    def measured(generators: Ints, widest: Floats, chosen: Ints) -> tuple[Floats, Floats, Ints]:
+        separation = separations(diagram, generators)
+        angle = _angles(separation, widest)
+        kept = np.flatnonzero((separation >= least_separation) & (angle >= least_angle))
+        return separation[kept], angle[kept], chosen[kept]
+
+    widest = np.maximum.reduceat(given.radius[given.connectivity], given.offsets[:-1]) if len(counts) else np.empty(0)
+    ends = np.stack(split_keys(given.keys), axis=1)
+    *of_polygons, polygons = measured(ends, widest, np.arange(len(counts)))
+    offsets, corners, wedges = given.offsets, given.connectivity, given.wedges
+    if len(polygons) < len(counts):
+        kept = np.zeros(len(counts), bool)
+        kept[polygons] = True
+        kept = np.repeat(kept, counts)
+        offsets, corners = np.concatenate([[0], np.cumsum(counts[polygons])]), corners[kept]
+        wedges = None if wedges is None else wedges[kept]
+    free: Ints = np.flatnonzero(~_bounding(diagram, given, offsets, corners, wedges))
+    widest = given.radius[given.lines[free]].max(axis=1, initial=0.0)
+    *of_lines, free = measured(diagram.facet_points(given.edges[free]), widest, free)
+    lines = given.lines[free]
     covered = np.zeros(len(given.points), bool)
     covered[corners] = covered[lines] = True
-    vertex_kept &= ~covered[given.vertices]
-    vertices = given.vertices[vertex_kept]
+    alone: Ints = np.flatnonzero(~covered[given.vertices])
+    widest = given.radius[given.vertices[alone]]
+    *of_vertices, alone = measured(diagram.simplices[given.simplices[alone]], widest, alone)
+    vertices = given.vertices[alone]
     covered[vertices] = True
     number = np.cumsum(covered) - 1
-    flags = (vertex_kept, line_kept, polygon_kept)
+    measures = zip(of_vertices, of_lines, of_polygons, strict=True)
     return VoronoiSkeleton(
         given.points[covered],
         given.radius[covered],
@@ -136,9 +171,8 @@ def simplified(given: Elements, least_separation: float, least_angle: float) -> 
         number[vertices],
         number[lines],
         offsets,
-        number[corners],
-        np.concatenate([values[flag] for values, flag in zip(given.separations, flags, strict=True)]),
-        np.concatenate([values[flag] for values, flag in zip(angles, flags, strict=True)]),
+        corners if covered.all() else number[corners],
+        *(np.concatenate(values) for values in measures),
     )
 
 
@@ -148,10 +182,28 @@ def _angles(separation: Floats, widest: Floats) -> Floats:
     return np.degrees(2 * np.arcsin(np.minimum(share, 1.0)))
 
 
-def _bounding(lines: Ints, offsets: Ints, corners: Ints) -> Bools:
-    """(s,) lines that are sides of polygons."""
-    if len(lines) == 0 or len(corners) == 0:
-        return np.zeros(len(lines), bool)
+def _bounding(diagram: VoronoiDiagram, given: Elements, offsets: Ints, corners: Ints, wedges: Ints | None) -> Bools:
+    """(s,) lines that are sides of the polygons.
+
+    A Voronoi edge bounds the faces of the Delaunay edges around its facet: its simplex has them among its wedges.
+    """
+    if len(given.lines) == 0 or len(corners) == 0:
+        return np.zeros(len(given.lines), bool)
+    if wedges is None:
+        return _sides_of(given.lines, offsets, corners)
+    used = np.zeros(len(diagram.simplices) << WEDGE_BITS, bool)
+    used[wedges] = True
+    cells, opposite = np.divmod(diagram.halves[given.edges], 4)
+    of_cells = used.reshape(-1, 1 << WEDGE_BITS)[cells]
+    result = np.zeros(len(cells), bool)
+    for slot, edge in enumerate(EDGES):
+        away = (opposite != edge[0]) & (opposite != edge[1])
+        result |= away & (of_cells[:, 2 * slot] | of_cells[:, 2 * slot + 1])
+    return result
+
+
+def _sides_of(lines: Ints, offsets: Ints, corners: Ints) -> Bools:
+    """(s,) lines that join corners that follow one another in a polygon."""
     after = np.arange(1, len(corners) + 1)
     after[offsets[1:] - 1] = offsets[:-1]
     sides = np.stack([corners, corners[after]], axis=1).astype(np.int64)

@@ -20,9 +20,16 @@ from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, without_flat_rim
-from tetraskel.kernels.voronoi_elements import Elements, of_cells, whole_faces, with_pieces, with_polygons
-from tetraskel.kernels.voronoi_faces import ordered, voronoi_faces
-from tetraskel.kernels.voronoi_lines import found_in
+from tetraskel.kernels.voronoi_elements import (
+    Elements,
+    of_cells,
+    wedges_between,
+    whole_faces,
+    with_pieces,
+    with_polygons,
+)
+from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, ordered, voronoi_faces
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside, vertices_on_boundary
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton, merged, simplified
 from tetraskel.options import VoronoiOptions
@@ -85,7 +92,7 @@ def voronoi_skeleton(
     elements = METHODS[method](diagram, tick)
     elements = merged(elements, SAME * diagram.size) if method != "sk4" else elements
     tick(0.9)
-    kept = simplified(elements, least_separation * diagram.size, least_angle)
+    kept = simplified(diagram, elements, least_separation * diagram.size, least_angle)
     return _lifted(kept, mesh)
 
 
@@ -102,12 +109,14 @@ def _sk1(diagram: VoronoiDiagram, tick: Tick) -> Elements:
 def _sk3(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     crossings, inside = _crossings_and_sides(diagram, tick)
     whole = edges_wholly_inside(diagram, crossings, inside)
-    faces = whole_faces(diagram, whole, crossings.faces)
+    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.faces)
     return of_cells(diagram, np.flatnonzero(inside[: len(diagram.simplices)]), np.flatnonzero(whole), faces)
 
 
 def _sk4(diagram: VoronoiDiagram, tick: Tick) -> Elements:
-    faces = whole_faces(diagram, diagram.within, np.empty(0, np.int64))
+    labels = np.append(diagram.inside, False)
+    whole = labels[diagram.neighbors] & diagram.inside[:, None]
+    faces = None if diagram.dim == 2 else whole_faces(diagram, whole, np.empty(0, np.int64))
     return of_cells(diagram, np.flatnonzero(diagram.inside), np.flatnonzero(diagram.within), faces)
 
 
@@ -116,18 +125,35 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     cells = np.flatnonzero(inside[: len(diagram.simplices)])
     if diagram.dim == 2:
         return with_pieces(diagram, of_cells(diagram, cells, np.empty(0, np.int64), None), crossings, inside)
-    whole = edges_wholly_inside(diagram, crossings, inside)
-    everywhere = voronoi_faces(diagram, np.arange(len(diagram.simplices)))
-    is_whole = everywhere.closed & everywhere.all_of(whole[diagram.edge_of_half[everywhere.ahead]])
-    is_whole &= ~found_in(everywhere.keys, crossings.faces)
-    touching = vertices_on_boundary(diagram, crossings)
-    is_whole &= ~everywhere.all_of(touching[everywhere.cells])  # nothing is known of such a face
-    some = everywhere.any_of(inside[everywhere.cells]) | found_in(everywhere.keys, crossings.faces)
+    whole = diagram.on_halves(edges_wholly_inside(diagram, crossings, inside))
+    touching = vertices_on_boundary(diagram, crossings)[: len(diagram.simplices)]
+    faces = whole_faces(diagram, whole, crossings.faces, touching)  # nothing is known of a face that only touches
     tick(0.7)
-    faces = ordered(diagram, everywhere, np.flatnonzero(is_whole))
-    cut = ordered(diagram, everywhere, np.flatnonzero(some & ~is_whole))
+    cut = ordered(diagram, _cut_faces(diagram, crossings, inside, whole, touching, faces.keys))
     tick(0.8)
     return with_polygons(diagram, of_cells(diagram, cells, np.empty(0, np.int64), faces), crossings, inside, cut)
+
+
+def _cut_faces(
+    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools, touching: Bools, taken: Ints
+) -> VoronoiFaces:
+    """Faces beside those `taken` that have a part inside, or of which nothing is known.
+
+    On the way around such a face from a vertex inside there is a last one before an edge that is not whole.
+    """
+    cells = np.flatnonzero(inside[: len(diagram.simplices)] & (~np.logical_and.reduce(list(whole.T)) | touching))
+    known = wedges_between(whole[cells]) & ~touching[cells, None]
+    simplices = diagram.simplices[cells]
+    keys = [
+        edge_keys_of(simplices[~known[:, s], i], simplices[~known[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)
+    ]
+    wanted = np.concatenate([*keys, crossings.faces])
+    at_end = np.zeros(len(diagram.coordinates), bool)
+    for end in split_keys(wanted):
+        at_end[end] = True
+    around = at_end[diagram.simplices]
+    faces = voronoi_faces(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
+    return faces.some(np.flatnonzero(found_in(faces.keys, wanted) & ~found_in(faces.keys, taken)))
 
 
 METHODS: dict[str, Callable[[VoronoiDiagram, Tick], Elements]] = {"sk1": _sk1, "sk2": _sk2, "sk3": _sk3, "sk4": _sk4}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.barycentric import EMPTY, ON_FACET, barycentric_coordinates
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.loops_in_python import run_loop
@@ -26,50 +27,75 @@ def walk_to(
 
     A visibility walk: out of each simplex through the facet behind which the place lies deepest and that leads
     somewhere. All places step at once; the number of rounds is the longest walk. A walker that stands again where it
-    stood at a round that is a power of two (Brent 1980), and came the same way, circles and stops: in the simplex of
-    the circle that holds the place best, if that one nearly does.
+    stood at a round that is a power of two (Brent 1980), and came the same way, circles and stops. It walks on by lot,
+    as does one that came out of the mesh through a simplex without volume.
     """
     at, came = np.array(start, dtype=np.int64), np.full(len(start), -1)
     mark, mark_came, next_mark = at.copy(), came.copy(), 1
-    active, circling = np.arange(len(at)), np.zeros(len(at), bool)
+    active, lost, misled = np.arange(len(at)), np.zeros(len(at), bool), np.zeros(len(at), bool)
     for round_ in range(LONGEST_WALK):
         if len(active) == 0:
             break
         if round_ % 4 == 3:
             tick(1 - len(active) / len(at))
-        active = active[_step(coordinates, simplices, neighbors, at, came, active, places)]
+        active = active[_step(coordinates, simplices, neighbors, at, came, active, places, misled)]
         back = (at[active] == mark[active]) & (came[active] == mark_came[active])
-        circling[active[back]] = True
+        lost[active[back]] = True
         active = active[~back]
         if round_ + 1 == next_mark:
             mark[active], mark_came[active], next_mark = at[active], came[active], 2 * next_mark
     at[active] = -1
-    lost = np.flatnonzero(circling)
-    at[lost] = _best_of_circles(coordinates, simplices, neighbors, at[lost], came[lost], places[lost])
+    lost[misled & (at < 0)] = True
+    rows = np.flatnonzero(lost)
+    begin = np.where(at[rows] < 0, came[rows], at[rows])
+    at[rows] = _by_lot(coordinates, simplices, neighbors, begin, places[rows])
     return at
 
 
-def _best_of_circles(
-    coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, entered: Ints, places: Floats
-) -> Ints:
-    """Simplex of the circle of each walker (k,) that nearly contains its place, the best one; -1 where none does."""
-    at, came, active = start.copy(), entered.copy(), np.arange(len(start))
+def _by_lot(coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, places: Floats) -> Ints:
+    """Simplex that nearly contains each place, the best one of a walk; -1 where none does.
+
+    Simplices without volume show no way and are left by a facet drawn by lot. A walk may come out on the wrong side,
+    and is sent back by the next simplex, until it is lucky. One that comes back to its start and has met none of them
+    would go the same way again.
+    """
+    at, active = np.array(start, dtype=np.int64), np.arange(len(start))
     best, found = np.full(len(at), NEARLY_INSIDE), np.full(len(at), -1)
-    for _ in range(LONGEST_WALK):
+    drawn = np.zeros(len(at), bool)
+    for turn in range(LONGEST_WALK):
         if len(active) == 0:
             break
-        held = barycentric_coordinates(coordinates, simplices[at[active]], places[active]).min(axis=1)
-        better = active[held > best[active]]
-        best[better], found[better] = held[held > best[active]], at[better]
-        active = active[_step(coordinates, simplices, neighbors, at, came, active, places)]
-        active = active[(at[active] != start[active]) | (came[active] != entered[active])]
+        cells = at[active]
+        weights = barycentric_coordinates(coordinates, simplices[cells], places[active])
+        held = weights.min(axis=1)
+        better = held > best[active]
+        best[active[better]], found[active[better]] = held[better], cells[better]
+        drawn[active] |= np.isneginf(held)
+        ahead = neighbors[cells]
+        lots = scramble(scramble(ahead.astype(np.uint64)) + np.uint64(turn)) >> np.uint64(11)
+        weights = np.where(np.isneginf(weights), -1.0 - lots.astype(float), weights)
+        weights[(ahead < 0) | (weights >= 0)] = np.inf
+        way, rows = weights.argmin(axis=1), np.arange(len(cells))
+        at[active] = np.where(np.isinf(weights[rows, way]), -1, ahead[rows, way])
+        again = (at[active] == start[active]) & ~drawn[active]
+        active = active[(held < ON_FACET) & (at[active] >= 0) & ~again]
     return found
 
 
 def _step(
-    coordinates: Floats, simplices: Ints, neighbors: Ints, at: Ints, came: Ints, active: Ints, places: Floats
+    coordinates: Floats,
+    simplices: Ints,
+    neighbors: Ints,
+    at: Ints,
+    came: Ints,
+    active: Ints,
+    places: Floats,
+    misled: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Move the active walkers one simplex on, in place, not back to where they came from; who walks on."""
+    """Move the active walkers one simplex on, in place, not back to where they came from; who walks on.
+
+    Those that meet a simplex without volume, which shows no way, are noted in `misled`.
+    """
     walking = np.zeros(len(active), bool)
 
     def work(piece: slice) -> None:
@@ -77,7 +103,9 @@ def _step(
         cells = at[walkers]
         weights = barycentric_coordinates(coordinates, simplices[cells], places[walkers])
         ahead = neighbors[cells]
-        arrived = weights.min(axis=1) >= ON_FACET
+        held = weights.min(axis=1)
+        arrived = held >= ON_FACET
+        misled[walkers[np.isneginf(held)]] = True
         weights[(ahead < 0) | (weights >= 0) | (ahead == came[walkers, None])] = np.inf  # no way, or the wrong one
         way = weights.argmin(axis=1)
         rows = np.arange(len(cells))
