@@ -123,7 +123,8 @@ def _walk_loop(  # type: ignore[no-untyped-def]
     """Where the circumcentre of each tetrahedron lies, -1 outside.
 
     Centres of neighbours lie close together: the walk begins where the nearest centre of a neighbour was found, and
-    again at the tetrahedron itself if that fails. The steps are those of `walk_to`.
+    again at the tetrahedron itself if that fails. The steps are those of `walk_to`; a walk that circles ends in the
+    tetrahedron of its circle that holds the place best, if that one nearly does.
     """
     for i in range(len(at)):
         cell, nearest = i, np.inf
