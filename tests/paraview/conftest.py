@@ -8,12 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import pyvista
 
 from paths import PLUGIN, ROOT
 from programs import SCREEN, finished, program, skip_or_fail
+from tubes import TUBES
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
+def small(tmp_path_factory):
+    """A file of few points of a torus: ParaView's Python has no compiled loops here."""
+    file = tmp_path_factory.mktemp("small") / "torus.vtp"
+    pyvista.PolyData(TUBES["torus"]().sample(900)).save(file)
+    return file
+
+
+@pytest.fixture(scope="session")
 def missing():
     """What to call when something is not installed."""
     return skip_or_fail
@@ -62,7 +72,7 @@ def begin(name):
 
 @pytest.fixture(scope="module")
 def in_one_pvpython(tmp_path_factory):
-    """Run scripts by name one behind the other in one pvpython, whose start takes most of the time; gives their parts."""
+    """Run scripts one behind the other in one pvpython, whose start takes most of the time; gives parts by name."""
     executable = program("pvpython")
 
     def run(scripts, prepare=None, screen=False, **more):
