@@ -66,7 +66,7 @@ def alone(missing, tmp_path_factory):
     if not os.path.isdir(NUMBA) or not numba_is_used():
         missing("there is no numba for ParaView (make paraview-numba), or none here (the extra fast)")
     folder = tmp_path_factory.mktemp("alone")
-    write_pieces(folder, POINTS)
+    write_pieces(folder, POINTS, n_pieces=1)
     (folder / "script.py").write_text(CHAIN)
     done = finished([program("pvpython"), "script.py", "Exact", "sym"], folder, EXACT)
     assert done.returncode == 0, done.stderr
@@ -90,11 +90,11 @@ def test_the_exact_engine_in_one_paraview(alone):
     assert_is_serial(alone, POINTS, "exact")
 
 
-def write_pieces(folder, points):
-    """A file of points dealt to two pieces at random, some of them to both, with global ids and an array."""
+def write_pieces(folder, points, n_pieces=2):
+    """A file of points dealt to pieces at random, some of them to all, with global ids and an array."""
     rng = np.random.default_rng(0)
-    owner = rng.integers(0, 2, len(points))
-    for rank in range(2):
+    owner = rng.integers(0, n_pieces, len(points))
+    for rank in range(n_pieces):
         ids = np.flatnonzero((owner == rank) | (np.arange(len(points)) % 50 == 0))
         piece = pyvista.PolyData(points[ids])
         piece["weight"] = ids * 2.0
@@ -106,7 +106,8 @@ def write_pieces(folder, points):
         '<VTKFile type="PPolyData" version="0.1"><PPolyData GhostLevel="0"><PPointData GlobalIds="ids">'
         '<PDataArray type="Float64" Name="weight"/><PDataArray type="Int64" IdType="1" Name="ids"/></PPointData>'
         '<PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>'
-        '<Piece Source="piece0.vtp"/><Piece Source="piece1.vtp"/></PPolyData></VTKFile>'
+        + "".join(f'<Piece Source="piece{rank}.vtp"/>' for rank in range(n_pieces))
+        + "</PPolyData></VTKFile>"
     )
 
 

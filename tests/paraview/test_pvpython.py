@@ -133,7 +133,7 @@ SCRIPTS = {
     "raster": RASTER,
     **{name: f"{call}.UpdatePipeline()" for name, (call, _) in ERRORS.items()},
 }
-TORUS = TUBES["torus"]().sample(900)
+TORUS = TUBES["torus"]().sample(2000)
 AXIS = np.linspace(0, 3, 30)
 LINE = np.stack([AXIS, np.sin(AXIS), 0.3 * AXIS**2], axis=1)
 
