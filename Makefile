@@ -5,8 +5,6 @@ READY := .venv/ready
 OUT := demo_output
 # the oldest of what pyproject.toml allows that this Python can have
 OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
-SLOW := found_inside or another_detail or read_back or what_was_merged or mesh_and_a_labelled or options_are_passed or \
-    other_outputs or points_are_enough or way_back
 
 VERSION = $(shell sed -n 's/^__version__ = "\(.*\)"/\1/p' filters/tetraskel/__init__.py)
 
@@ -21,9 +19,9 @@ demo: $(READY)
 test: $(READY) .pvpython-packages
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
-# the filters on the oldest VTK, without what takes long and has little to do with VTK's version
+# the filters on the oldest VTK, without what takes long and has little to do with VTK's version (the marker `slow`)
 test-oldest: .venv-oldest/ready
-	.venv-oldest/bin/python -m pytest tests/vtkfilters tests/test_accessor.py -k 'not ($(SLOW))'
+	.venv-oldest/bin/python -m pytest tests/vtkfilters tests/test_accessor.py -m 'not slow'
 
 docs: .venv/docs-ready
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

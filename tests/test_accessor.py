@@ -71,6 +71,7 @@ def test_methods_follow_one_another(cloud):
     assert kept.active_scalars_name == branches.active_scalars_name == "Depth"
 
 
+@pytest.mark.slow
 def test_the_curve_skeleton_and_its_other_outputs(tube, curve):
     skeleton = curve_skeleton(np.asarray(tube.points))
     assert np.array_equal(curve.points, skeleton.points)
@@ -81,6 +82,7 @@ def test_the_curve_skeleton_and_its_other_outputs(tube, curve):
     assert sheets.n_cells == len(expected.triangles) > 0
 
 
+@pytest.mark.slow
 def test_the_way_back_from_a_skeleton(tube, curve):
     smooth = curve.tetraskel.bezier(samples=3)
     pieces = curve.tetraskel.bezier(output="pieces")

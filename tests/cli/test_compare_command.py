@@ -80,6 +80,22 @@ def test_a_surface_is_judged_by_and_named(tmp_path, capsys):
     assert f"Judged by the surface {surface}." in (tmp_path / "out" / "table.md").read_text()
 
 
+def test_json_is_the_table_in_a_line(tmp_path, capsys):
+    grid = tmp_path / "mesh.vtu"
+    points = np.loadtxt(SAMPLES / "rectangle8.csv", delimiter=",", skiprows=1)
+    triangles = triangulate(points).simplices[:-1]
+    pyvista.UnstructuredGrid({pyvista.CellType.TRIANGLE: triangles}, points).save(grid)
+    for options, n_cells in (([], 5), (["--points-only"], 6)):
+        status, out, err = run(
+            capsys, grid, tmp_path / "out", "--inside", "all", "--methods", "sk4,tree", "--json", *options
+        )
+        assert (status, err, out.count("\n")) == (0, "", 1)
+        told = json.loads(out)
+        assert (told.pop("output"), told.pop("input_points")) == (str(tmp_path / "out"), 8)
+        assert told == json.loads((tmp_path / "out" / "table.json").read_text())
+        assert f"8 points, {n_cells} of {n_cells} cells inside" in (tmp_path / "out" / "table.md").read_text()
+
+
 def test_an_outline_is_judged_by(tmp_path, capsys):
     points = np.loadtxt(SAMPLES / "rectangle8.csv", delimiter=",", skiprows=1)
     outline = pyvista.PolyData(points, lines=[9, *range(8), 0])

@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 import pyvista
 
-from paths import PLUGIN, ROOT, SAMPLES
-from programs import KEPT, environment, program
+from paths import PLUGIN, ROOT
+from programs import KEPT, environment, finished, program
 from tetraskel import assemble_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
 from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, SWITCH, numba_is_used
+from tubes import TUBES
 
 NUMBA = os.environ.get(FOLDER, str(PLUGIN.parent / BESIDE))
+EXACT = {FOLDER: NUMBA, CACHE: KEPT, SWITCH: "1"}
 SECONDS = 240
 THRESHOLD = 0.1
 CHAIN = f"""
@@ -54,28 +56,45 @@ np.savez(f"out{{rank}}.npz", cells=counts.GetNumberOfCells(), **out)
 """
 
 
-@pytest.fixture
-def exact(missing):
-    """Numba for ParaView, and one place for what it compiles."""
+LATTICE = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3)
+POINTS = np.concatenate([np.random.default_rng(0).random((300, 3)) * 4, LATTICE])
+
+
+@pytest.fixture(scope="module")
+def alone(missing, tmp_path_factory):
+    """Where one rank has run, with the numba beside the plugin: the ranks load what it compiled."""
     if not os.path.isdir(NUMBA) or not numba_is_used():
         missing("there is no numba for ParaView (make paraview-numba), or none here (the extra fast)")
-    return {FOLDER: NUMBA, CACHE: KEPT, SWITCH: "1"}
+    folder = tmp_path_factory.mktemp("alone")
+    write_pieces(folder, POINTS, n_pieces=1)
+    (folder / "script.py").write_text(CHAIN)
+    done = finished([program("pvpython"), "script.py", "Exact", "sym"], folder, EXACT)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def exact(alone):
+    """Numba for ParaView, and one place for what it compiles."""
+    return EXACT
 
 
 @pytest.fixture
 def cloud(tmp_path):
     """Points of a lattice and between them, in two pieces."""
-    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3)
-    points = np.concatenate([np.random.default_rng(0).random((300, 3)) * 4, lattice])
-    write_pieces(tmp_path, points)
-    return points
+    write_pieces(tmp_path, POINTS)
+    return POINTS
 
 
-def write_pieces(folder, points):
-    """A file of points dealt to two pieces at random, some of them to both, with global ids and an array."""
+def test_the_exact_engine_in_one_paraview(alone):
+    assert_is_serial(alone, POINTS, "exact")
+
+
+def write_pieces(folder, points, n_pieces=2):
+    """A file of points dealt to pieces at random, some of them to all, with global ids and an array."""
     rng = np.random.default_rng(0)
-    owner = rng.integers(0, 2, len(points))
-    for rank in range(2):
+    owner = rng.integers(0, n_pieces, len(points))
+    for rank in range(n_pieces):
         ids = np.flatnonzero((owner == rank) | (np.arange(len(points)) % 50 == 0))
         piece = pyvista.PolyData(points[ids])
         piece["weight"] = ids * 2.0
@@ -87,7 +106,8 @@ def write_pieces(folder, points):
         '<VTKFile type="PPolyData" version="0.1"><PPolyData GhostLevel="0"><PPointData GlobalIds="ids">'
         '<PDataArray type="Float64" Name="weight"/><PDataArray type="Int64" IdType="1" Name="ids"/></PPointData>'
         '<PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>'
-        '<Piece Source="piece0.vtp"/><Piece Source="piece1.vtp"/></PPolyData></VTKFile>'
+        + "".join(f'<Piece Source="piece{rank}.vtp"/>' for rank in range(n_pieces))
+        + "</PPolyData></VTKFile>"
     )
 
 
@@ -189,7 +209,7 @@ def test_a_client_of_pvserver(exact, cloud, tmp_path):
 
 
 def test_qhull_and_the_curve_skeleton_are_for_one_rank(tmp_path):
-    cloud = np.asarray(pyvista.read(SAMPLES / "bent_tube.vtp").points, float)
+    cloud = TUBES["torus"]().sample(900)
     write_pieces(tmp_path, cloud)
     script = (
         CHAIN

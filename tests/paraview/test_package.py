@@ -16,7 +16,7 @@ from programs import finished, program
 from tetraskel import __version__, vtkfilters
 from tetraskel.cli import main, plugin_path
 from tetraskel.vtkfilters.paraview_display import LOOKS, REPRESENTATIONS
-from tetraskel.vtkfilters.paraview_xml import panel_xml
+from tetraskel.vtkfilters.paraview_xml import page_of, panel_xml
 
 TOOL = ROOT / "tools" / "plugin_zip.py"
 USE = """
@@ -149,6 +149,9 @@ def test_what_is_told_can_be_told_from_what_is_asked(name):
     told = [one for one in own if one.get("information_only")]
     assert len(told) == len(getattr(vtkfilters, name).tells) > 0
     assert all(one.find("Documentation").text for one in own)
+    page = page_of(getattr(vtkfilters, name))
+    assert panel.find("Documentation").text.endswith(f" {page}.")
+    assert "](../pictures/" in (ROOT / page).read_text(encoding="utf-8")
 
 
 def test_every_output_has_a_look():

@@ -69,6 +69,7 @@ def assert_is(data, expected):
         assert array_of(data.GetFieldData(), name)[0] == value
 
 
+@pytest.mark.slow
 def test_points_are_enough():
     points = tube()
     expected = curve_skeleton(points)
@@ -82,6 +83,7 @@ def test_points_are_enough():
     assert np.array_equal(array_of(second.GetPointData(), "number"), np.arange(len(points)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{"root": "widest"}, {"root": "point", "root_point": (0, -1, 0)}, {"detail": 1.0}])
 def test_options_are_passed_on(options):
     expected = {"detail": options.get("detail", 0.5)}
@@ -90,6 +92,7 @@ def test_options_are_passed_on(options):
     assert_is(skeleton_step(polydata(tube()), **options).run(), curve_skeleton(tube(), **expected))
 
 
+@pytest.mark.slow
 def test_a_mesh_is_found_inside_or_taken_as_labelled():
     points = tube()
     mesh = DelaunayMesh()
@@ -105,6 +108,7 @@ def test_a_mesh_is_found_inside_or_taken_as_labelled():
     assert array_of(data.GetFieldData(), "Loops")[0] == 0  # the hull of a torus has no hole
 
 
+@pytest.mark.slow
 def test_what_was_merged_is_told_whoever_triangulated():
     doubled = np.concatenate([tube(), tube()[:25]])
     mesh = DelaunayMesh()
@@ -115,6 +119,7 @@ def test_what_was_merged_is_told_whoever_triangulated():
         assert facts.GetAbstractArray("Engine").GetValue(0) == available_engine("auto")
 
 
+@pytest.mark.slow
 def test_another_detail_is_drawn_from_the_same_model(monkeypatch):
     from tetraskel.vtkfilters import curve_skeleton as module
 
@@ -180,6 +185,7 @@ def test_sheets_of_the_plane_are_an_empty_output_with_its_arrays():
     assert array_of(step.GetOutputDataObject(2).GetPointData(), "MaximumInscribedSphereRadius").shape == (0,)
 
 
+@pytest.mark.slow
 def test_another_detail_finds_no_sheets_again(monkeypatch):
     from tetraskel.vtkfilters import curve_skeleton as module
 
@@ -224,6 +230,7 @@ def test_surfaces_keep_their_cells_on_the_second_output():
     assert step.GetOutputDataObject(1).GetNumberOfPolys() == source.GetOutput().GetNumberOfPolys()
 
 
+@pytest.mark.slow
 def test_a_skeleton_read_back_measures_the_same():
     source = vtkSphereSource()
     source.SetRadius(2)

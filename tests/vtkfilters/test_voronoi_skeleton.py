@@ -50,6 +50,7 @@ def assert_is(data, expected):
     assert np.array_equal(array_of(cells, "SeparationAngle"), expected.angle)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("points", [tube(), tube(300) * [1, 1, 0]])
 def test_points_a_mesh_and_a_labelled_mesh_give_the_same(method, points):

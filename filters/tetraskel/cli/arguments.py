@@ -20,6 +20,13 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print what was done as a line of JSON")
 
 
+def add_points_only(parser: argparse.ArgumentParser) -> None:
+    """What takes a mesh for its points."""
+    parser.add_argument(
+        "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
+    )
+
+
 def add_drawings(parser: argparse.ArgumentParser, how: str = "also ") -> None:
     """Pictures of the result."""
     parser.add_argument("--png", metavar="FILE", help=f"{how}draw the result, off screen")

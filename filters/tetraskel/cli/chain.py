@@ -11,7 +11,7 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, values
 from tetraskel.cli.drawings import check_drawings, draw_all
 from tetraskel.cli.files import read, writer_for
 from tetraskel.errors import InputError
@@ -27,9 +27,7 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
     add_drawings(parser)
     add_json(parser)
-    parser.add_argument(
-        "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
-    )
+    add_points_only(parser)
 
 
 def add_inside(parser: argparse.ArgumentParser) -> None:
@@ -65,8 +63,15 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
     """Read, run, write, draw; the first filter is left out when the input is a mesh already."""
     write = prepared(chosen)
     source = read(chosen.input)
-    steps = filters[1:] if holds_simplices(source) and not chosen.points_only else filters
-    finish(chosen, source, run_filters(source, steps), write, from_cells=steps[0] is not filters[0])
+    steps = steps_for(chosen, source, filters)
+    finish(chosen, source, run_filters(source, steps), write, from_cells=len(steps) < len(filters))
+
+
+def steps_for(
+    chosen: argparse.Namespace, source: vtkPointSet, filters: Sequence[SkeletonFilter]
+) -> Sequence[SkeletonFilter]:
+    """The filters without the first one, which triangulates, when the input is a mesh already."""
+    return filters[1:] if holds_simplices(source) and not chosen.points_only else filters
 
 
 def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callable[[vtkPolyData], None]:

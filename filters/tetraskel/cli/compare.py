@@ -7,11 +7,12 @@ judged by --surface, or without it by the boundary of the object's inside.
 from __future__ import annotations
 
 import argparse
+import json
 from functools import partial
 
 import numpy as np
 
-from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.arguments import add_json, add_options, add_points_only, values
 from tetraskel.errors import InputError
 from tetraskel.options import CompareOptions, CurveOptions, DelaunayOptions
 
@@ -30,9 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("input", metavar="IN", help="points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy")
     parser.add_argument("output", metavar="OUTFOLDER", help="folder for the table, pictures and skeletons")
     parser.add_argument("--surface", metavar="FILE", help="closed surface, or in the plane closed lines, to judge by")
-    parser.add_argument(
-        "--points-only", action="store_true", help="triangulate the points even if the file holds tetrahedra"
-    )
+    add_points_only(parser)
+    add_json(parser)
     add_options(parser, CompareOptions)
     add_inside(parser)
     add_options(parser, DelaunayOptions)
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
-    from tetraskel.cli.comparison_files import Judged, checked_folder, write_all
+    from tetraskel.cli.comparison_files import Judged, checked_folder, found, write_all
     from tetraskel.cli.files import read
     from tetraskel.comparison import chosen_methods, compare
     from tetraskel.vtkfilters.progress import ProgressLine
@@ -60,7 +60,11 @@ def run(chosen: argparse.Namespace) -> None:
         rows = compare(mesh, surface, inside=inside, **options, tick=tick)
     if all(row.failure for row in rows):
         raise InputError(f"no skeleton was drawn; {rows[0].method}: {rows[0].failure}")
-    write_all(folder, rows, Judged(chosen.input, chosen.surface, mesh, inside))
+    judged = Judged(chosen.input, chosen.surface, mesh, inside)
+    write_all(folder, rows, judged)
+    if chosen.json:
+        print(json.dumps({"output": chosen.output, "input_points": source.GetNumberOfPoints(), **found(rows, judged)}))
+        return
     drawn = sum(not row.failure for row in rows)
     print(
         f"{chosen.input}: {source.GetNumberOfPoints():,} points -> {chosen.output}: {drawn} of {len(rows)} skeletons "
@@ -70,13 +74,12 @@ def run(chosen: argparse.Namespace) -> None:
 
 def _object(chosen: argparse.Namespace, source):
     """The triangulation all methods share, and which of its simplices are inside."""
-    from tetraskel.cli.chain import interior_cells, run_filters
+    from tetraskel.cli.chain import interior_cells, run_filters, steps_for
     from tetraskel.vtkfilters import DelaunayMesh
-    from tetraskel.vtkfilters.convert import array_of, holds_simplices, mesh_of
+    from tetraskel.vtkfilters.convert import array_of, mesh_of
 
-    steps = interior_cells(chosen, extract=False)
-    if chosen.points_only or not holds_simplices(source):
-        steps.insert(0, DelaunayMesh(**values(chosen, DelaunayOptions)))
+    triangulation = DelaunayMesh(**values(chosen, DelaunayOptions))
+    steps = steps_for(chosen, source, [triangulation, *interior_cells(chosen, extract=False)])
     data = run_filters(source, steps) if steps else source
     mesh = mesh_of(data)
     inside = np.ones(len(mesh), bool) if chosen.inside == "all" else array_of(data.GetCellData(), "Inside") != 0

@@ -87,7 +87,8 @@ def write_all(folder: Path, rows: Sequence[Row], judged: Judged) -> None:
     draw_each(folder, rows, skeletons, boundary)
     draw_overview(folder / "overview.png", rows, skeletons, boundary)
     replace_file(folder / "table.md", lambda part: part.write_text(markdown(rows, judged), encoding="utf-8"))
-    replace_file(folder / "table.json", lambda part: part.write_text(as_json(rows, judged), encoding="utf-8"))
+    as_json = json.dumps(found(rows, judged), indent=2) + "\n"
+    replace_file(folder / "table.json", lambda part: part.write_text(as_json, encoding="utf-8"))
 
 
 def markdown(rows: Sequence[Row], judged: Judged) -> str:
@@ -113,9 +114,9 @@ def _number(value: float | None) -> str:
     return str(value) if isinstance(value, int) else f"{value:.{DIGITS}g}"
 
 
-def as_json(rows: Sequence[Row], judged: Judged) -> str:
-    """The same as JSON: null where a measure has no meaning."""
-    found = [
+def found(rows: Sequence[Row], judged: Judged) -> dict:
+    """The same for JSON: None where a measure has no meaning."""
+    measured = [
         {
             "method": row.method,
             "kind": row.kind or None,
@@ -126,4 +127,4 @@ def as_json(rows: Sequence[Row], judged: Judged) -> str:
         for row in rows
     ]
     about = {"input": judged.source, "judged_by": rows[0].judged_by, "surface": judged.surface}
-    return json.dumps({**about, "object": judged.numbers, "rows": found}, indent=2) + "\n"
+    return {**about, "object": judged.numbers, "rows": measured}

@@ -40,9 +40,15 @@ def label(name: str) -> str:
     return "".join(" " + letter if letter.isupper() else letter for letter in name).strip()
 
 
+def page_of(cls) -> str:
+    """A filter's page, in the source; ParaView's own help shows pages of compiled plugins only."""
+    return f"docs/filters/{label(cls.__name__).lower().replace(' ', '_')}.md"
+
+
 def _documentation(cls) -> str:
     text = " ".join(cls.__doc__.replace("`", "").split())
     first = text.split(". ")[0].rstrip(".") + "."
+    text += f" With a picture in the source: {page_of(cls)}."
     return f"<Documentation short_help={quoteattr(first)} long_help={quoteattr(first)}>{escape(text)}</Documentation>"
 
 
