@@ -142,10 +142,10 @@ def _cache_folder(numba: ModuleType) -> Iterator[None]:
 def cache_folder() -> Path:
     """A writable folder for compiled code: numba's own choice, else beside the source, the user's, or a temporary one.
 
-    Its last part is a function of the source of the exact engine and of what other loops call or take constants from:
-    numba looks only at the file of the outermost function to see whether what it kept is out of date.
+    Its last part is a function of numba's version, the source of the exact engine, and what other loops call or take
+    constants from: numba looks only at the file of the outermost function to see whether what it kept is out of date.
     """
-    version = hashlib.sha256()
+    version = hashlib.sha256(getattr(_numba_module(), "__version__", "").encode())  # one numba discards another's
     shared = [KERNELS / name for name in ("compiled_heaps.py", "barycentric.py", "passage_widths.py")]
     for file in [Path(__file__), *shared, *sorted((KERNELS / "exact").glob("*.py"))]:
         version.update(file.read_bytes())
