@@ -146,8 +146,9 @@ def cache_folder() -> Path:
     constants from: numba looks only at the file of the outermost function to see whether what it kept is out of date.
     """
     version = hashlib.sha256(getattr(_numba_module(), "__version__", "").encode())  # one numba discards another's
-    shared = [KERNELS / name for name in ("compiled_heaps.py", "barycentric.py", "passage_widths.py")]
-    for file in [Path(__file__), *shared, *sorted((KERNELS / "exact").glob("*.py"))]:
+    here = Path(__file__)
+    shared = [here.with_name(name) for name in ("compiled_heaps.py", "barycentric.py", "passage_widths.py")]
+    for file in [here, *shared, *sorted(here.parent.glob("exact/*.py"))]:
         version.update(file.read_bytes())
     name = f"tetraskel-{version.hexdigest()[:16]}"
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/.cache")
