@@ -50,6 +50,10 @@ class Known:
         """(n,) row of each point in the serial mesh."""
         return np.asarray(self.names[:, 0])
 
+    def kept(self, comm: Communicator) -> Known:
+        """The same, to outlast exchanges."""
+        return Known(*comm.keep(self.points, self.place, self.names, self.own))
+
     def with_others(self, points: Floats, place: Ints, names: Ints) -> Known:
         """The same and points of other ranks; some may be known already."""
         new = np.flatnonzero(~np.isin(place, self.place))
@@ -74,7 +78,7 @@ def known_at_first(comm: Communicator, block: Block, boxes: list[Floats], widths
     widths : for each rank (k,)
         How far around each box points are taken to be neighbours. A guess: what is missing is asked for later.
     """
-    known = Known(block.points, block.place, block.names, np.ones(len(block), bool))
+    known = Known(block.points, *comm.keep(block.place), block.names, np.ones(len(block), bool))
     wanted = []
     for rank in range(comm.size):
         near = np.zeros(len(block), bool)
@@ -83,7 +87,7 @@ def known_at_first(comm: Communicator, block: Block, boxes: list[Floats], widths
         wanted.append(np.flatnonzero(near))
     basis = affine_basis(block.points)
     wanted = [np.union1d(rows, basis) if rank != comm.rank else rows for rank, rows in enumerate(wanted)]
-    known = known.with_others(*told(comm, block, wanted))
+    known = known.with_others(*told(comm, block, wanted)).kept(comm)
     spans = comm.lowest(np.array([len(block) == 0 or first_simplex(known.points) is not None]))
     if not spans.all():
         raise InputError("expected points that fill space, got points of one plane; use one rank.")

@@ -34,7 +34,9 @@ def root_facets(comm: Communicator, part: MeshPart, pieces: Ints) -> tuple[Ints,
         On all ranks.
     """
     names, local = np.unique(pieces, return_inverse=True)
-    closed = replace(part.mesh, neighbors=part.across)
+    neighbors = part.mesh.neighbors.copy()
+    neighbors.reshape(-1)[part.halves] = 0  # not a border, whichever simplex is there
+    closed = replace(part.mesh, neighbors=neighbors)
     cells, entries = first_facets_by_piece(closed, local.reshape(-1))
     facets = facet_points(part.mesh.simplices, cells.astype(np.int64) * (part.mesh.dim + 1) + entries)
     corners = np.concatenate(comm.allgather(part.mesh.coordinates[facets].reshape(len(cells), part.mesh.dim**2)))
