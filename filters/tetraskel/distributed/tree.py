@@ -20,7 +20,9 @@ from tetraskel.distributed.parts import MeshPart
 from tetraskel.distributed.roots import joined_pieces, root_facets
 from tetraskel.errors import MeshError
 from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.node_arrays import Arrays, simplex_arrays
 from tetraskel.kernels.sons import CROSSINGS, crossing_codes
+from tetraskel.kernels.tree import Tree
 
 Ints = NDArray[Any]
 
@@ -67,6 +69,14 @@ def build_tree_part(comm: Communicator, part: MeshPart, tick: Tick = silent) -> 
         raise MeshError(f"expected pieces with a border, got {closed} simplices without one; remove doubled cells.")
     del codes, pieces
     return walk.result()
+
+
+def simplex_arrays_of_part(tree: TreePart, tick: Tick = silent) -> Arrays:
+    """What the simplices of one rank say of its nodes, with the ids that simplices and points have on all ranks."""
+    ids = tree.part.point_ids.astype(np.int64)
+    walked = Tree(tree.forest, tree.cell, tree.entry, tree.part.mesh, "breadth")  # type: ignore[arg-type]
+    named = {"CellId": tree.part.cell_ids[tree.cell].astype(np.int64), "ApexId": ids[walked.apex]}
+    return {**simplex_arrays(walked, tick), **named, "EntryFacet": ids[walked.entry_facet]}
 
 
 class _Walk:
