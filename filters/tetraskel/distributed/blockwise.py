@@ -37,7 +37,7 @@ Array = NDArray[Any]
 
 POINTS_PER_BLOCK = 500_000  # about 0.6 GB while a block is triangulated
 FEW = 100_000  # points that may be looked at together to say what is wrong with them
-PIECE = 1 << 16  # branches treated together
+PIECE = 1 << 14  # branches treated together
 
 
 def blocks_for(n: int) -> int:

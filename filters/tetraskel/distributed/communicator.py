@@ -57,6 +57,10 @@ class Communicator(ABC):
         """Arrays that outlast an exchange, to be used in place of those given; where ranks take turns, in a file."""
         return list(arrays)
 
+    def packed(self, messages: list[Bytes]) -> list[Bytes]:
+        """Messages ready to be sent."""
+        return messages
+
     def agree(self) -> None:
         """Wait until all ranks have come here.
 
@@ -82,20 +86,23 @@ class Communicator(ABC):
 
     def alltoall(self, parts: Sequence[Array]) -> list[Array]:
         """Send array k to rank k; the arrays sent here. All have one type and one shape but for their length."""
+        like = np.empty((0, *parts[0].shape[1:]), parts[0].dtype)
+        messages = self.packed([_as_bytes(part) for part in parts])
+        del parts  # what waits for others takes no room that it does not need
         self.agree()
-        mine = parts[self.rank]
-        messages = [_as_bytes(part) for part in parts]
         self.exchanges += 1
         self.sent_bytes += sum(len(message) for rank, message in enumerate(messages) if rank != self.rank)
-        return [_from_bytes(message, mine) for message in self.swap(messages)]
+        return [_from_bytes(message, like) for message in self.swap(messages)]
 
     def allgather(self, part: Array) -> list[Array]:
         """Everybody's array; all have one type and one shape but for their length."""
+        like = np.empty((0, *part.shape[1:]), part.dtype)
+        message = self.packed([_as_bytes(part)])[0]
+        del part
         self.agree()
-        message = _as_bytes(part)
         self.exchanges += 1
         self.sent_bytes += len(message) * (self.size - 1)
-        return [_from_bytes(received, part) for received in self.share(message)]
+        return [_from_bytes(received, like) for received in self.share(message)]
 
     def gather(self, part: Array, root: int = 0) -> Array:
         """Everybody's arrays, one after another, on one rank; none on the others."""

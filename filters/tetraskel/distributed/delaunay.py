@@ -149,7 +149,8 @@ class _Surroundings:
 
     def answers(self, corners: Floats, slots: NDArray[np.int8]) -> tuple[Floats, Ints, Ints]:
         """Points of other ranks that forbid cells with these (q, 4, 3) corners: coordinates, places and names."""
-        flat = np.ascontiguousarray(corners).reshape(len(corners), 12)
+        (flat,) = self.comm.keep(np.ascontiguousarray(corners).reshape(len(corners), 12))
+        del corners
         found = np.zeros((len(slots), self.comm.size), bool)
         conflicts.labels_in_conflict(
             self._scaled(flat).ravel(),
@@ -161,7 +162,8 @@ class _Surroundings:
         )
         questions, ranks = np.nonzero(found)
         route = Route(self.comm, ranks)
-        asked, asked_slots = route.forward(flat[questions]), route.forward(slots[questions])
+        (flat,) = self.comm.keep(flat[questions])
+        asked, asked_slots = route.forward(flat), route.forward(slots[questions])
         answers = np.empty(len(asked), np.int64)
         points = self._scaled(self.block.points).ravel()
         conflicts.deepest_conflicts(
@@ -184,9 +186,10 @@ class _Surroundings:
 
 def _surroundings(comm: Communicator, block: Block) -> tuple[_Surroundings, Known]:
     """What lies around the block, and the points it knows at first."""
-    boxes, widths = boxes_of_block(block)
-    all_boxes, all_widths = comm.allgather(boxes), comm.allgather(widths)
-    known = known_at_first(comm, block, all_boxes, all_widths)
+    boxes = boxes_of_block(block)
+    all_boxes = comm.allgather(boxes.corners)
+    around = np.concatenate([-boxes.widths[:, None].repeat(3, 1), boxes.widths[:, None].repeat(3, 1)], axis=1)
+    known = known_at_first(comm, block, boxes, comm.allgather(boxes.corners + around))
     others = [all_boxes[rank] for rank in range(comm.size) if rank != comm.rank]
     ranks = [np.full(len(all_boxes[rank]), rank) for rank in range(comm.size) if rank != comm.rank]
     foreign = tree_of_boxes(np.concatenate([*others, np.empty((0, 6))]))

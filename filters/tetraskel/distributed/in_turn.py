@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,6 +19,11 @@ from tetraskel.errors import Aborted, RankError
 Bytes = NDArray[np.uint8]
 T = TypeVar("T")
 
+# Of the GNU C library (malloc.h): what `mallopt` sets, and values with which freed arrays go back to the system at once.
+TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8
+LARGE = 1 << 18  # bytes
+FILES_PER_BLOCK, OTHER_FILES = 128, 256
+
 
 class _Table:
     """Where the ranks of one run sit: whose turn it is, and the words of this exchange and of the next.
@@ -27,26 +33,24 @@ class _Table:
 
     def __init__(self, size: int) -> None:
         self.words: list[list[Any]] = [[None] * size, [None] * size]
-        self.turn = 0
+        self.turns = [threading.Semaphore(int(rank == 0)) for rank in range(size)]
         self.gone = [False] * size
         self.broken = self.stopped = False
-        self.changed = threading.Condition()
 
     def wait_for_turn(self, rank: int) -> None:
-        with self.changed:
-            self.changed.wait_for(lambda: self.broken or self.turn == rank)
+        self.turns[rank].acquire()
 
     def pass_turn(self, rank: int) -> None:
         """To the next rank that is still there."""
-        with self.changed:
-            waiting = [(rank + step) % len(self.gone) for step in range(1, len(self.gone) + 1)]
-            self.turn = next((other for other in waiting if not self.gone[other]), rank)
-            self.changed.notify_all()
+        size = len(self.turns)
+        others = ((rank + step) % size for step in range(1, size + 1))
+        following = next((other for other in others if not self.gone[other]), None)
+        if following is not None:
+            self.turns[following].release()
 
     def leave(self, rank: int, *, broken: bool) -> None:
-        with self.changed:
-            self.gone[rank] = True
-            self.broken |= broken
+        self.gone[rank] = True
+        self.broken |= broken
         self.pass_turn(rank)
 
 
@@ -82,14 +86,14 @@ class TurnCommunicator(Communicator):
 
     def swap(self, messages: Sequence[Bytes]) -> list[Bytes]:
         """See `Communicator.swap`."""
-        return [sent[self.rank] for sent in self._exchanged(self._sent(messages))]
+        return [sent[self.rank] for sent in self._exchanged(list(messages))]
 
     def share(self, message: Bytes) -> list[Bytes]:
         """See `Communicator.share`."""
-        return [sent[0] for sent in self._exchanged(self._sent([message]))]
+        return list(self._exchanged(message))
 
-    def _sent(self, messages: Sequence[Bytes]) -> list[Bytes]:
-        """What others read after this rank has gone on: copies, which it cannot change."""
+    def packed(self, messages: list[Bytes]) -> list[Bytes]:
+        """See `Communicator.packed`: others read them after this rank has gone on, so they are copies."""
         kept = self.shelf.put(*messages)
         return [message.copy() if message is own else message for message, own in zip(kept, messages, strict=True)]
 
@@ -116,6 +120,8 @@ def run_in_turn(size: int, work: Callable[[TurnCommunicator], T], folder: Path) 
         What a rank raised first; the others stop with it. Ctrl-C stops them all.
     """
     table = _Table(size)
+    _return_memory_at_once()
+    _allow_files(FILES_PER_BLOCK * size + OTHER_FILES)
 
     def run(rank: int) -> T:
         comm = TurnCommunicator(table, rank, folder)
@@ -133,3 +139,24 @@ def run_in_turn(size: int, work: Callable[[TurnCommunicator], T], folder: Path) 
         table.stopped = True
 
     return joined(size, run, stop)
+
+
+def _return_memory_at_once() -> None:
+    """Let freed arrays go back to the system, where the C library can: each thread would keep some for itself."""
+    try:
+        settings = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError, TypeError):  # another C library
+        return
+    for name, value in ((ARENA_MAX, 1), (MMAP_THRESHOLD, LARGE), (TRIM_THRESHOLD, LARGE)):
+        settings(name, value)
+
+
+def _allow_files(n: int) -> None:
+    """Let this process hold n files open, as far as the system lets it: every array on a shelf is one."""
+    try:
+        import resource
+    except ImportError:  # Windows, where there are enough
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < n:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (n if hard == resource.RLIM_INFINITY else min(n, hard), hard))

@@ -56,18 +56,17 @@ def build_tree_part(comm: Communicator, part: MeshPart, tick: Tick = silent) -> 
         For a piece without border.
     """
     codes = comm.keep(crossing_codes(part.mesh, tick))[0]
-    pieces: Ints = np.zeros(len(part), np.int64)
     walk = _Walk(comm, part, codes)
-    walk.run(root_facets(comm, part, pieces), tick)
+    walk.run(root_facets(comm, part, np.zeros(len(part), np.int32)), tick)
     if walk.n_nodes < part.n_cells:
         del walk
-        pieces = joined_pieces(comm, part)
+        roots = root_facets(comm, part, joined_pieces(comm, part))
         walk = _Walk(comm, part, codes)
-        walk.run(root_facets(comm, part, pieces), tick)
+        walk.run(roots, tick)
     if walk.n_nodes < part.n_cells:
         closed = part.n_cells - walk.n_nodes
         raise MeshError(f"expected pieces with a border, got {closed} simplices without one; remove doubled cells.")
-    del codes, pieces
+    del codes
     return walk.result()
 
 
