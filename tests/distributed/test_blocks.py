@@ -233,7 +233,8 @@ def test_arrays_on_a_shelf_are_the_same_and_can_be_written_to(tmp_path):
 def test_a_full_disk_is_said(tmp_path):
     resource = pytest.importorskip("resource")
     script = (
-        "import resource, signal, numpy as np; from pathlib import Path; from tetraskel.distributed.shelf import Shelf\n"
+        "import resource, signal, numpy as np; from pathlib import Path\n"
+        "from tetraskel.distributed.shelf import Shelf\n"
         "from tetraskel.errors import InputError\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))\n"
         f"shelf = Shelf(Path({str(tmp_path)!r}))\n"

@@ -17,8 +17,8 @@ from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, Tre
 AS_MANY_AS_NEEDED = 0
 CURVE_BYTES = 2000  # about, that the curve skeleton takes for each point
 HELP = (
-    f"tree: work through the points in N blocks (0 or no N: one for {POINTS_PER_BLOCK:,} points), with the blocks' data "
-    "in files beside OUT instead of memory; the same result, slower"
+    f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
+    "beside OUT instead of memory; the same result, slower"
 )
 
 
@@ -56,7 +56,9 @@ def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
         "lines": len(whole.lengths),
         "faces": 0,
     }
-    singles = {name: value for name, value in whole.facts.items() if not isinstance(value, float) or math.isfinite(value)}
+    singles = {
+        name: value for name, value in whole.facts.items() if not isinstance(value, float) or math.isfinite(value)
+    }
     if extras or chosen.png or chosen.html:
         skeleton = read(chosen.output)
         for write in extras.values():

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import index_type
 from tetraskel.distributed.flat import contract_part
 from tetraskel.distributed.forests import ForestPart
 from tetraskel.distributed.in_turn import TurnCommunicator, run_in_turn
@@ -107,7 +106,9 @@ def skeleton_in_blocks(
     """
     wanted = BlockOptions() if options is None else options
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"expected points in space for work in blocks, got shape {points.shape}; leave out the blocks.")
+        raise InputError(
+            f"expected points in space for work in blocks, got shape {points.shape}; leave out the blocks."
+        )
     ready_engine("exact", 3, part(tick, 0.0, 0.02))
     whole = WholeSkeleton(Shelf(folder))
 
@@ -133,13 +134,11 @@ def _block(comm: TurnCommunicator, points: Array, wanted: BlockOptions, whole: W
     described = dict(zip(names, comm.keep(*described.values()), strict=True))
     positions = comm.keep(centres(tree.part.mesh, wanted.centre)[tree.cell])[0]
     flat = described["Quality"] < wanted.threshold
-    forest, rows = tree.forest, np.arange(len(tree.forest), dtype=np.int32)
-    n_cells, n_kept = forest.n_nodes, comm.total(int((~flat).sum()))
-    del tree
+    n_cells, n_kept = tree.forest.n_nodes, comm.total(int((~flat).sum()))
     if n_cells and n_kept == 0:
         raise InputError(all_flat(n_cells, wanted.threshold))
-    forest, rows = contract_part(comm, forest, *comm.keep(flat))
-    del flat
+    forest, rows = contract_part(comm, tree.forest, *comm.keep(flat))
+    del flat, tree
     _count(comm, whole, forest, n_cells - forest.n_nodes)
     skeleton = skeleton_part(comm, forest, keep_leaves=wanted.keep_leaves)
     tick(0.9)

@@ -78,7 +78,8 @@ def delaunay_of_block(comm: Communicator, block: Block, tick: Tick = silent) -> 
             break
         del simplices, neighbors  # the next ones need their room
         known = known.with_others(*answers).kept(comm)
-    return OwnedCells(known, *comm.keep(*_owned(known, simplices, neighbors)), rounds)
+    simplices, neighbors = comm.keep(*_owned(known, simplices, neighbors))
+    return OwnedCells(known, simplices, neighbors, rounds)
 
 
 def _triangulated(known: Known, tick: Tick) -> tuple[Ints, Ints]:
@@ -197,4 +198,5 @@ def _surroundings(comm: Communicator, block: Block) -> tuple[_Surroundings, Know
     own = tree_of_boxes(boxes_of_stretches(block.points, starts))
     labels = np.concatenate([*ranks, np.empty(0)]).astype(np.int64)
     largest = comm.highest(np.array([np.abs(block.points).max(initial=0.0)]))
-    return _Surroundings(comm, block, *comm.keep(foreign, labels, own, starts), float(largest[0])), known
+    foreign, labels, own, starts = comm.keep(foreign, labels, own, starts)
+    return _Surroundings(comm, block, foreign, labels, own, starts, float(largest[0])), known

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,9 @@ class ForestPart:
 
     def kept(self, comm: Communicator) -> ForestPart:
         """The same, to outlast exchanges."""
-        return ForestPart(*comm.keep(*(getattr(self, name) for name in ARRAYS)), self.n_nodes)
+        kept = comm.keep(*(getattr(self, name) for name in ARRAYS))
+        arrays: dict[str, Any] = dict(zip(ARRAYS, kept, strict=True))
+        return replace(self, **arrays)
 
 
 @dataclass(frozen=True)

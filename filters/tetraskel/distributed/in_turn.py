@@ -19,7 +19,7 @@ from tetraskel.errors import Aborted, RankError
 Bytes = NDArray[np.uint8]
 T = TypeVar("T")
 
-# Of the GNU C library (malloc.h): what `mallopt` sets, and values with which freed arrays go back to the system at once.
+# What `mallopt` of the GNU C library sets (malloc.h), so that freed arrays go back to the system at once.
 TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8
 LARGE = 1 << 18  # bytes
 FILES_PER_BLOCK, OTHER_FILES = 128, 256

@@ -52,7 +52,8 @@ class Known:
 
     def kept(self, comm: Communicator) -> Known:
         """The same, to outlast exchanges."""
-        return Known(*comm.keep(self.points, self.place, self.names, self.own))
+        points, place, names, own = comm.keep(self.points, self.place, self.names, self.own)
+        return Known(points, place, names, own)
 
     def with_others(self, points: Floats, place: Ints, names: Ints) -> Known:
         """The same and points of other ranks; some may be known already."""
@@ -95,7 +96,7 @@ def known_at_first(comm: Communicator, block: Block, own: Boxes, wide: list[Floa
     wide : for each rank (k, 6)
         Its boxes, made larger by what it takes for its neighbourhood.
     """
-    known = Known(block.points, *comm.keep(block.place), block.names, np.ones(len(block), bool))
+    known = Known(block.points, block.place, block.names, np.ones(len(block), bool))
     wanted = []
     for rank in range(comm.size):
         near = np.zeros(len(block), bool)

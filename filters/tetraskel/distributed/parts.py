@@ -88,8 +88,8 @@ def part_of_mesh(comm: Communicator, mesh: Triangulation, point_ids: Ints, cell_
     n_cells, first = comm.total(len(mesh)), comm.before(len(mesh))
     if cell_ids is None:
         cell_ids = np.arange(first, first + len(mesh), dtype=index_type(n_cells))
-    links = comm.keep(cell_ids, open_halves[found], other[found, 0], other[found, 1])
-    return MeshPart(mesh, point_ids, *links, n_cells)
+    cell_ids, halves, ranks, mates = comm.keep(cell_ids, open_halves[found], other[found, 0], other[found, 1])
+    return MeshPart(mesh, point_ids, cell_ids, halves, ranks, mates, n_cells)
 
 
 def _sorted_by_id(mesh: Triangulation, point_ids: Ints) -> tuple[Triangulation, Ints]:

@@ -64,7 +64,9 @@ class Shelf:
         exact = [(shape, np.dtype(kind)) for shape, kind in kinds]
         starts = _starts(int(np.prod(shape, dtype=np.int64)) * kind.itemsize for shape, kind in exact)
         with self._file() as file:
-            self._filled(file, lambda: _zeros(file, starts[-1]))  # a hole would fail when it is written to, with a crash
+            self._filled(
+                file, lambda: _zeros(file, starts[-1])
+            )  # a hole would fail when it is written to, with a crash
             return self._mapped(file, exact, starts)
 
     def leave(self) -> None:
@@ -109,7 +111,7 @@ def _write(file: IO[bytes], arrays: Sequence[Array], starts: list[int]) -> None:
     for array, start, stop in zip(arrays, starts[:-1], starts[1:], strict=True):
         rows = max(PIECE // max(array.nbytes // max(len(array), 1), 1), 1)
         for row in range(0, len(array), rows):
-            file.write(np.ascontiguousarray(array[row : row + rows]).reshape(-1).view(np.uint8))
+            file.write(np.ascontiguousarray(array[row : row + rows]).reshape(-1).view(np.uint8).data)
         file.write(bytes(stop - start - array.nbytes))
 
 

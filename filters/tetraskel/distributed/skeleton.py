@@ -53,13 +53,13 @@ def skeleton_part(
     """The skeleton of a forest: its nodes without the leaves, cut into branches."""
     kept = (forest.son_count > 0) | (forest.parent < 0) | keep_leaves
     node, kept = comm.keep(np.flatnonzero(kept).astype(np.int32), kept)
-    index, n_nodes = sums_before(comm, forest.number, kept, 0, forest.n_nodes)
+    index, n_nodes = sums_before(comm, forest.number, kept.view(np.int8), 0, forest.n_nodes)
     index = comm.keep(index.astype(index_type(forest.n_nodes)))[0]
     parent, parent_at, begins, degree = _linked(comm, forest, kept, index)
     parent, parent_at, begins, degree, index = comm.keep(
         parent[node], parent_at[node], begins[node], degree[node], index[node]
     )
-    number, n_branches = sums_before(comm, index, begins, 0, n_nodes)
+    number, n_branches = sums_before(comm, index, begins.view(np.int8), 0, n_nodes)
     branch = comm.keep(np.where(begins, number, -1).astype(index_type(n_branches)))[0]
     del number
     depth, parent_rank = comm.keep(forest.depth[node], forest.parent_rank[node])

@@ -20,30 +20,48 @@ class Numbered(Protocol):
     """Nodes of a forest: all of them, or one rank's."""
 
     @property
-    def number(self) -> Ints: ...
+    def number(self) -> Ints:
+        """(k,) number of each."""
+
     @property
-    def parent(self) -> Ints: ...
+    def parent(self) -> Ints:
+        """(k,) number of the parent, -1 for a root."""
+
     @property
-    def depth(self) -> Ints: ...
+    def depth(self) -> Ints:
+        """(k,) facets crossed since the root."""
+
     @property
-    def son_rank(self) -> Ints: ...
+    def son_rank(self) -> Ints:
+        """(k,) place among the parent's sons."""
+
     @property
-    def son_count(self) -> Ints: ...
+    def son_count(self) -> Ints:
+        """(k,) number of sons."""
+
     @property
-    def subtree_size(self) -> Ints: ...
+    def subtree_size(self) -> Ints:
+        """(k,) number of nodes from here down."""
+
     @property
-    def tree_id(self) -> Ints: ...
+    def tree_id(self) -> Ints:
+        """(k,) which tree."""
 
 
 class Drawn(Protocol):
     """Nodes of a skeleton: all of them, or one rank's."""
 
     @property
-    def degree(self) -> Ints: ...
+    def degree(self) -> Ints:
+        """(k,) number of lines that meet."""
+
     @property
-    def node_type(self) -> Ints: ...
+    def node_type(self) -> Ints:
+        """(k,) 0 end, 1 regular, 2 junction."""
+
     @property
-    def branch_id(self) -> Ints: ...
+    def branch_id(self) -> Ints:
+        """(k,) branch of each, -1 for none."""
 
 
 def forest_arrays(forest: Numbered) -> Arrays:
