@@ -34,7 +34,7 @@ from tetraskel.options import FlatOptions, SkeletonOptions, TreeOptions
 
 Array = NDArray[Any]
 
-POINTS_PER_BLOCK = 500_000  # about 0.6 GB while a block is triangulated
+POINTS_PER_BLOCK = 500_000  # of a block; not measured at this size
 FEW = 100_000  # points that may be looked at together to say what is wrong with them
 PIECE = 1 << 14  # branches treated together
 
@@ -93,7 +93,7 @@ def skeleton_in_blocks(
     Parameters
     ----------
     folder : path
-        Where the blocks' files are meanwhile: on a disk with about 1.5 kB for each point.
+        Where the blocks' files are meanwhile: on a disk with about 2.3 kB for each point.
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
 
