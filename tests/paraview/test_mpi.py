@@ -47,6 +47,10 @@ for name, proxy in stages.items():
     attributes = data.GetPointData()
     names = [attributes.GetArrayName(k) for k in range(attributes.GetNumberOfArrays())]
     out.update({{name + "_" + a: vtk_to_numpy(attributes.GetArray(a)) for a in names}})
+    facts = data.GetFieldData()
+    out[name + "_facts"] = [facts.GetArray(f).GetValue(0) if facts.HasArray(f) else -1 for f in ("Trees", "Leaves")]
+    scalars = attributes.GetScalars()
+    out[name + "_scalars"] = scalars.GetName() if scalars else ""
     points = data.GetPoints()
     out[name + "_points"] = vtk_to_numpy(points.GetData()) if data.GetNumberOfPoints() else np.empty((0, 3))
     if name == "mesh" and data.GetNumberOfCells():
@@ -167,6 +171,11 @@ def assert_is_serial(folder, points, engine, fetched=False):
         }  # fmt: skip
         for name, values in expected.items():
             assert np.array_equal(whole(stage, name), values), (stage, name)
+        if not fetched:
+            counts = [int((nodes.parent < 0).sum()), int(nodes.is_leaf.sum())]
+            with_nodes = [part for part, own in zip(parts, marks[stage], strict=True) if len(own)]
+            assert all(np.array_equal(part[f"{stage}_facts"], counts) for part in with_nodes)
+            assert all(part[f"{stage}_scalars"] == "Depth" for part in with_nodes)
     assert np.array_equal(whole("skeleton", "NodeId"), skeleton.node)
     assert np.array_equal(whole("skeleton", "points"), skeleton.points)
     for name, values in {"NodeType": skeleton.node_type, "BranchId": skeleton.branch_id}.items():

@@ -122,29 +122,42 @@ def run_filters(source: vtkPointSet, steps: Sequence[SkeletonFilter]) -> vtkPoly
 
 def tell(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, text: str) -> None:
     """Print what was done: the text, or for scripts a line of JSON with the facts in the result's field data."""
-    if not chosen.json:
-        print(text)
-        return
     counts = {
-        "input": chosen.input,
-        "output": chosen.output,
         "input_points": source.GetNumberOfPoints(),
         "points": result.GetNumberOfPoints(),
         "lines": result.GetNumberOfLines(),
         "faces": result.GetNumberOfPolys(),
     }
-    print(json.dumps({**counts, "facts": single_facts(result)}))
+    tell_counts(chosen, counts, single_facts(result), text)
+
+
+def tell_counts(chosen: argparse.Namespace, counts: dict, facts: dict, text: str) -> None:
+    """Print the text, or a line of JSON."""
+    if chosen.json:
+        print(json.dumps({"input": chosen.input, "output": chosen.output, **counts, "facts": facts}))
+    else:
+        print(text)
 
 
 def summary(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData, *, from_cells: bool) -> str:
     """One line about what came in and went out."""
     merged = result.GetFieldData().GetArray("DuplicatesMerged")
-    doubles = f" ({merged.GetValue(0):,} merged)" if merged is not None and merged.GetValue(0) else ""
     found = [result.GetFieldData().GetArray(name) for name in ("Components", "Loops")]
     loops = ", {} pieces, {} loops".format(*(int(array.GetValue(0)) for array in found)) if all(found) else ""
     sheets = f", {result.GetNumberOfPolys():,} faces" if result.GetNumberOfPolys() else ""
     cells = f", its own {source.GetNumberOfCells():,} cells" if from_cells else ""
+    counts = {
+        "input_points": source.GetNumberOfPoints(),
+        "points": result.GetNumberOfPoints(),
+        "lines": result.GetNumberOfLines(),
+    }
+    return summary_of(chosen, counts, merged.GetValue(0) if merged is not None else 0, (cells, sheets + loops))
+
+
+def summary_of(chosen: argparse.Namespace, counts: dict, merged: int, more: tuple[str, str] = ("", "")) -> str:
+    """One line of these counts, with more to say of what came in and what went out."""
+    doubles = f" ({merged:,} merged)" if merged else ""
     return (
-        f"{chosen.input}: {source.GetNumberOfPoints():,} points{doubles}{cells} -> "
-        f"{chosen.output}: {result.GetNumberOfPoints():,} nodes, {result.GetNumberOfLines():,} lines{sheets}{loops}"
+        f"{chosen.input}: {counts['input_points']:,} points{doubles}{more[0]} -> "
+        f"{chosen.output}: {counts['points']:,} nodes, {counts['lines']:,} lines{more[1]}"
     )

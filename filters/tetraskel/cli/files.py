@@ -40,6 +40,18 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
     """
     if path == STANDARD_INPUT:
         return _data_of(read_standard_input())
+    file = expect_file(path)
+    return _data_of(read_table(file)) if file.suffix.lower() in TABLES else _read_data_set(file, images)
+
+
+def expect_file(path: str) -> Path:
+    """The path of a file that is there and has a suffix we know.
+
+    Raises
+    ------
+    InputError
+        When it is not, or has not.
+    """
     file = Path(path)
     suffix = file.suffix.lower()
     if suffix not in TABLES + DATA_SETS:
@@ -47,7 +59,7 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
     if not file.is_file():
         kind = "is a folder" if file.is_dir() else "does not exist"
         raise InputError(f"expected a file to read, got {path!r}, which {kind}.")
-    return _data_of(read_table(file)) if suffix in TABLES else _read_data_set(file, images)
+    return file
 
 
 def _read_data_set(file: Path, images: bool) -> vtkPointSet:

@@ -32,12 +32,14 @@ EXAMPLES = (
         "The paper's tree of the triangulation instead, flat tetrahedra removed:",
         "skeleton cloud.csv tree.vtp --method tree --threshold 0.05",
     ),
+    ("The same of points that do not fit in memory:", "skeleton big.npy tree.vtp --method tree --blocks"),
     ("Every file of a folder, each with its own result:", "skeleton scans/*.ply skeletons/"),
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel skeleton` takes."""
+    from tetraskel.cli.blocks import add_blocks
     from tetraskel.cli.chain import add_files, add_inside
 
     add_files(parser)
@@ -46,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
     parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
     parser.add_argument("--sheets", metavar="FILE", help="curve: also write the medial sheets as .vtp or .vtk")
+    add_blocks(parser)
     add_inside(parser)
     add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
     parser.set_defaults(inside=None, denoise=None)
@@ -60,7 +63,11 @@ def run(chosen: argparse.Namespace) -> None:
     for options in (CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions):
         values(chosen, options)  # a wrong value is told, whether this method uses it or not
     extras = _extra_writers(chosen)
-    if chosen.method == "tree":
+    if chosen.blocks is not None:
+        from tetraskel.cli.blocks import run_in_blocks
+
+        run_in_blocks(chosen, extras)
+    elif chosen.method == "tree":
         _tree(chosen, extras)
     else:
         _curve(chosen, extras)

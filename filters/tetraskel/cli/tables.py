@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -27,6 +29,17 @@ def read_table(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 
 def _from_npy(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    return np.array(open_npy(file)), {}
+
+
+def open_npy(file: Path) -> np.ndarray:
+    """The points of an array file, mapped: they are read where they are looked at.
+
+    Raises
+    ------
+    InputError
+        For another kind of file or array.
+    """
     try:
         table = np.load(
             file, mmap_mode="r", allow_pickle=False
@@ -37,7 +50,7 @@ def _from_npy(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         raise InputError(
             f"expected numbers of shape (n, 2) or (n, 3) in {str(file)!r}, got {table.dtype} {table.shape}."
         )
-    return np.array(table), {}
+    return table
 
 
 def _from_text(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -66,6 +79,44 @@ def _from_bytes(content: bytes, file: Path) -> tuple[np.ndarray, dict[str, np.nd
     width = len(header or cells[0][1])
     coordinates = np.array([_numbers(file, k, row, columns, width) for k, row in cells]).reshape(-1, len(columns))
     return coordinates, _other_columns(header, columns, [row for _, row in cells])
+
+
+def rows_of_table(stream: IO[bytes], file: Path, length: int) -> Iterator[np.ndarray]:
+    """The coordinates of a table, at most `length` rows at a time; other columns are left out.
+
+    Raises
+    ------
+    InputError
+        As `read_table`; what is wrong is told by its line.
+    """
+    separator, columns, width = None, None, 0
+    piece: list[list[float]] = []
+    for k, line in _lines(stream, file):
+        if columns is None:
+            separator = next((mark for mark in SEPARATORS if mark in line), None)
+        cells = [cell.strip().strip('"') for cell in line.split(separator)]
+        if columns is None:
+            header = not all(map(_is_number, cells))
+            columns, width = _coordinate_columns(cells if header else [""] * len(cells), file), len(cells)
+            if header:
+                continue
+        piece.append(_numbers(file, k, cells, columns, width))
+        if len(piece) == length:
+            yield np.array(piece)
+            piece = []
+    if piece:
+        yield np.array(piece)
+
+
+def _lines(stream: IO[bytes], file: Path) -> Iterator[tuple[int, str]]:
+    """Lines with something in them, and their numbers, without comments."""
+    for k, line in enumerate(stream, 1):
+        try:
+            text = line.decode("utf-8-sig" if k == 1 else "utf-8").split("#")[0].strip()
+        except UnicodeDecodeError as error:
+            raise InputError(f"expected a text file in UTF-8, got {str(file)!r} in another encoding.") from error
+        if text:
+            yield k, text
 
 
 def _coordinate_columns(header: list[str], file: Path) -> list[int]:

@@ -72,10 +72,15 @@ def deal_by_place(comm: Communicator, points: Floats, ids: Ints) -> Block:
     low = comm.lowest(points.min(axis=0, initial=np.inf))
     extent = float((comm.highest(points.max(axis=0, initial=-np.inf)) - low).max())
     home = np.stack([np.full(len(points), comm.rank), np.arange(len(points))], axis=1).astype(np.int64)
-    mine = _distinct(points, ids, home, morton_codes(points, low, extent))
+    mine = comm.keep(*_distinct(points, ids, home, morton_codes(points, low, extent)))
+    del points, ids, home
     route = Route(comm, np.searchsorted(_cuts(comm, mine[3]), mine[3], side="right"))
-    points, ids, home, codes = _distinct(*[route.forward(column) for column in mine])
+    received = [route.forward(column) for column in mine]
+    del mine
+    points, ids, home, codes = comm.keep(*_distinct(*received))
+    del received
     names = np.column_stack([places_of(comm, ids), ids, home])
+    points, names, codes = comm.keep(points, names, codes)
     return Block(points, names, codes, extent, comm.before(len(ids)), comm.total(len(ids)))
 
 
@@ -113,9 +118,10 @@ def places_of(comm: Communicator, ids: Ints) -> Ints:
     step = max((high - low) // comm.size + 1, 1)
     route = Route(comm, (ids - low) // step)
     received = route.forward(ids)
+    first = comm.before(len(received))
     place = np.empty(len(received), np.int64)
-    place[np.argsort(received, kind="stable")] = np.arange(len(received))
-    return route.back(place + comm.before(len(received)))
+    place[np.argsort(received, kind="stable")] = np.arange(first, first + len(received))
+    return route.back(place)
 
 
 def affine_basis(points: Floats) -> Ints:

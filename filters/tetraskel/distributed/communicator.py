@@ -53,6 +53,14 @@ class Communicator(ABC):
     def share(self, message: Bytes) -> list[Bytes]:
         """Send one message to everybody; everybody's."""
 
+    def keep(self, *arrays: Array) -> list[Array]:
+        """Arrays that outlast an exchange, to be used in place of those given; where ranks take turns, in a file."""
+        return list(arrays)
+
+    def packed(self, messages: list[Bytes]) -> list[Bytes]:
+        """Messages ready to be sent."""
+        return messages
+
     def agree(self) -> None:
         """Wait until all ranks have come here.
 
@@ -78,20 +86,23 @@ class Communicator(ABC):
 
     def alltoall(self, parts: Sequence[Array]) -> list[Array]:
         """Send array k to rank k; the arrays sent here. All have one type and one shape but for their length."""
+        like = np.empty((0, *parts[0].shape[1:]), parts[0].dtype)
+        messages = self.packed([_as_bytes(part) for part in parts])
+        del parts  # what waits for others takes no room that it does not need
         self.agree()
-        mine = parts[self.rank]
-        messages = [_as_bytes(part) for part in parts]
         self.exchanges += 1
         self.sent_bytes += sum(len(message) for rank, message in enumerate(messages) if rank != self.rank)
-        return [_from_bytes(message, mine) for message in self.swap(messages)]
+        return [_from_bytes(message, like) for message in self.swap(messages)]
 
     def allgather(self, part: Array) -> list[Array]:
         """Everybody's array; all have one type and one shape but for their length."""
+        like = np.empty((0, *part.shape[1:]), part.dtype)
+        message = self.packed([_as_bytes(part)])[0]
+        del part
         self.agree()
-        message = _as_bytes(part)
         self.exchanges += 1
         self.sent_bytes += len(message) * (self.size - 1)
-        return [_from_bytes(received, part) for received in self.share(message)]
+        return [_from_bytes(received, like) for received in self.share(message)]
 
     def gather(self, part: Array, root: int = 0) -> Array:
         """Everybody's arrays, one after another, on one rank; none on the others."""
@@ -147,33 +158,42 @@ class Route:
     destination : (k,) int
         Rank each row goes to.
 
-    Attributes
-    ----------
-    source : (r,) int
-        Rank each received row came from; known after the first `forward`.
     """
 
     def __init__(self, comm: Communicator, destination: Ints) -> None:
         self.comm = comm
-        self.order = np.argsort(destination, kind="stable")
+        self.order: Ints = comm.keep(_stable_order(destination, comm.size))[0]
         self.ends = np.cumsum(np.bincount(destination, minlength=comm.size))
-        self.source = np.empty(0, np.intp)
         self._received_ends = np.zeros(comm.size, np.intp)
+
+    @property
+    def source(self) -> Ints:
+        """(r,) rank each received row came from; known after the first `forward`."""
+        return np.repeat(np.arange(self.comm.size), np.diff(self._received_ends, prepend=0))
 
     def forward(self, rows: Array) -> Array:
         """The rows (k, ...) for this rank, in the order of their ranks and there in their order."""
         parts = self.comm.alltoall(np.split(rows[self.order], self.ends[:-1]))
-        counts = [len(part) for part in parts]
-        self.source = np.repeat(np.arange(self.comm.size), counts)
-        self._received_ends = np.cumsum(counts)
-        return np.concatenate(parts)
+        self._received_ends = np.cumsum([len(part) for part in parts])
+        return self.comm.keep(np.concatenate(parts))[0]
 
     def back(self, answers: Array) -> Array:
         """Answers (r, ...) to the received rows, on the ranks that asked, in the order in which they had the rows."""
         received = np.concatenate(self.comm.alltoall(np.split(answers, self._received_ends[:-1])))
         found = np.empty_like(received)
         found[self.order] = received
-        return found
+        return self.comm.keep(found)[0]
+
+
+def index_type(n: int) -> type[np.signedinteger[Any]]:
+    """The smallest type for indices of n items: 32 bits almost always."""
+    return np.int32 if n <= np.iinfo(np.int32).max else np.int64
+
+
+def _stable_order(destination: Ints, size: int) -> Ints:
+    """Indices that sort rows by their destination; sorting small numbers is quicker and takes less room."""
+    small = destination.astype(np.uint8 if size <= 256 else np.int32, copy=False)
+    return np.argsort(small, kind="stable").astype(index_type(len(small)), copy=False)
 
 
 def _failure_told(messages: Sequence[Bytes]) -> Exception:

@@ -32,6 +32,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[Any]
 Bools = NDArray[np.bool_]
 
+CHUNK = 1 << 16  # cells looked at together
 LEAF = 16  # points in a box of the tree in which answers are looked for
 
 
@@ -65,48 +66,59 @@ def delaunay_of_block(comm: Communicator, block: Block, tick: Tick = silent) -> 
     InputError
         When all points lie in one plane.
     """
-    around = _Surroundings.of(comm, block)
-    known, asked, rounds = around.known, _Asked(), 0
+    around, known = _surroundings(comm, block)
+    asked, rounds = _Asked(), 0
     while True:
         rounds += 1
-        simplices, neighbors, _ = _triangulated(known, tick)
+        simplices, neighbors = comm.keep(*_triangulated(known, tick))
         open_cells, slots = _open_cells(known, simplices, neighbors, around.foreign)
         fresh = asked.not_yet(known.place[simplices[open_cells]], slots)
         answers = around.answers(known.points[simplices[open_cells[fresh]]], slots[fresh])
         if comm.total(len(answers[1])) == 0:
             break
-        known = known.with_others(*answers)
+        del simplices, neighbors  # the next ones need their room
+        known = known.with_others(*answers).kept(comm)
+    simplices, neighbors = comm.keep(*_owned(known, simplices, neighbors))
+    return OwnedCells(known, simplices, neighbors, rounds)
+
+
+def _triangulated(known: Known, tick: Tick) -> tuple[Ints, Ints]:
+    if not known.own.any():
+        nothing = np.empty((0, 4), np.int32)
+        return nothing, nothing
+    return engine.delaunay(known.points, tick)[:2]
+
+
+def _owned(known: Known, simplices: Ints, neighbors: Ints) -> tuple[Ints, Ints]:
+    """The simplices whose first point is an own one, and their neighbours among themselves."""
     owned = known.own[simplices.min(axis=1)] if len(simplices) else np.empty(0, bool)
     new_id = np.append(np.cumsum(owned, dtype=np.int32) - 1, np.int32(-1))
     new_id[:-1][~owned] = -1
-    return OwnedCells(known, simplices[owned], new_id[neighbors[owned]], rounds)
-
-
-def _triangulated(known: Known, tick: Tick) -> tuple[Ints, Ints, Ints]:
-    if not known.own.any():
-        nothing = np.empty((0, 4), np.int32)
-        return nothing, nothing, nothing
-    return engine.delaunay(known.points, tick)
+    return simplices[owned], new_id[neighbors[owned]]
 
 
 def _open_cells(known: Known, simplices: Ints, neighbors: Ints, foreign: Floats) -> tuple[Ints, NDArray[np.int8]]:
     """Cells to ask about, and the slot opposite the hull facet where the infinite one behind it is meant, else -1."""
-    if len(simplices) == 0:
-        return np.empty(0, np.int64), np.empty(0, np.int8)
-    own = known.own[simplices]  # (m, 4)
-    star: Bools = np.asarray(own.any(axis=1))
-    others = own.sum(axis=1)[:, None] - own  # own points of the facet opposite each slot
-    outside = np.where(neighbors < 0, others == 0, ~star[neighbors])
-    border = star & outside.any(axis=1)
-    inner = np.flatnonzero(star & ~border)
-    met = np.zeros(len(inner), bool)
-    conflicts.cells_in_boxes(
-        simplices.ravel(), known.points.ravel(), foreign.ravel(), inner, met, conflicts.scratch()[1]
-    )
-    finite = np.union1d(np.flatnonzero(border), inner[met])
-    cells, slots = np.nonzero((neighbors < 0) & (others > 0))
-    all_slots = np.concatenate([np.full(len(finite), -1, np.int8), slots.astype(np.int8)])
-    return np.concatenate([finite, cells]), all_slots
+    star = np.zeros(len(simplices), bool)
+    pieces = [slice(start, start + CHUNK) for start in range(0, len(simplices), CHUNK)]
+    for piece in pieces:
+        star[piece] = known.own[simplices[piece]].any(axis=1)
+    finite, cells, slots = [np.empty(0, np.int64)], [np.empty(0, np.int64)], [np.empty(0, np.int8)]
+    for piece in pieces:
+        own, across = known.own[simplices[piece]], neighbors[piece]  # (c, 4)
+        others = own.sum(axis=1, dtype=np.int8)[:, None] - own.view(np.int8)  # own points of the facet opposite a slot
+        border = star[piece] & np.where(across < 0, others == 0, ~star[across]).any(axis=1)
+        inner = piece.start + np.flatnonzero(star[piece] & ~border)
+        met = np.zeros(len(inner), bool)
+        conflicts.cells_in_boxes(
+            simplices.ravel(), known.points.ravel(), foreign.ravel(), inner, met, conflicts.scratch()[1]
+        )
+        finite.append(np.union1d(piece.start + np.flatnonzero(border), inner[met]))
+        infinite, slot = np.nonzero((across < 0) & (others > 0))
+        cells.append(piece.start + infinite)
+        slots.append(slot.astype(np.int8))
+    n_finite = sum(len(found) for found in finite)
+    return np.concatenate([*finite, *cells]), np.concatenate([np.full(n_finite, -1, np.int8), *slots])
 
 
 class _Asked:
@@ -130,30 +142,16 @@ class _Surroundings:
 
     comm: Communicator
     block: Block
-    known: Known  # at first
     foreign: Floats  # tree of the boxes of other ranks
     labels: Ints  # rank of each leaf of that tree
     own_boxes: Floats  # tree of the boxes of own points
     starts: Ints  # where the points of its leaves begin
     scale: float
 
-    @classmethod
-    def of(cls, comm: Communicator, block: Block) -> _Surroundings:
-        boxes, widths = boxes_of_block(block)
-        all_boxes, all_widths = comm.allgather(boxes), comm.allgather(widths)
-        known = known_at_first(comm, block, all_boxes, all_widths)
-        others = [all_boxes[rank] for rank in range(comm.size) if rank != comm.rank]
-        ranks = [np.full(len(all_boxes[rank]), rank) for rank in range(comm.size) if rank != comm.rank]
-        foreign = tree_of_boxes(np.concatenate([*others, np.empty((0, 6))]))
-        starts = even_stretches(len(block), LEAF)
-        own = tree_of_boxes(boxes_of_stretches(block.points, starts))
-        labels = np.concatenate([*ranks, np.empty(0)]).astype(np.int64)
-        largest = comm.highest(np.array([np.abs(block.points).max(initial=0.0)]))
-        return cls(comm, block, known, foreign, labels, own, starts, float(largest[0]))
-
     def answers(self, corners: Floats, slots: NDArray[np.int8]) -> tuple[Floats, Ints, Ints]:
         """Points of other ranks that forbid cells with these (q, 4, 3) corners: coordinates, places and names."""
-        flat = np.ascontiguousarray(corners).reshape(len(corners), 12)
+        (flat,) = self.comm.keep(np.ascontiguousarray(corners).reshape(len(corners), 12))
+        del corners
         found = np.zeros((len(slots), self.comm.size), bool)
         conflicts.labels_in_conflict(
             self._scaled(flat).ravel(),
@@ -165,7 +163,8 @@ class _Surroundings:
         )
         questions, ranks = np.nonzero(found)
         route = Route(self.comm, ranks)
-        asked, asked_slots = route.forward(flat[questions]), route.forward(slots[questions])
+        (flat,) = self.comm.keep(flat[questions])
+        asked, asked_slots = route.forward(flat), route.forward(slots[questions])
         answers = np.empty(len(asked), np.int64)
         points = self._scaled(self.block.points).ravel()
         conflicts.deepest_conflicts(
@@ -177,9 +176,27 @@ class _Surroundings:
             answers,
             *conflicts.scratch(),
         )
-        wanted = [np.unique(answers[(route.source == rank) & (answers >= 0)]) for rank in range(self.comm.size)]
+        source = route.source
+        wanted = [np.unique(answers[(source == rank) & (answers >= 0)]) for rank in range(self.comm.size)]
         return told(self.comm, self.block, wanted)
 
     def _scaled(self, values: Floats) -> Floats:
         """Times the engine's power of two, the same on all ranks."""
         return np.ldexp(values, engine.HIGHEST_EXPONENT - int(np.frexp(self.scale)[1]))
+
+
+def _surroundings(comm: Communicator, block: Block) -> tuple[_Surroundings, Known]:
+    """What lies around the block, and the points it knows at first."""
+    boxes = boxes_of_block(block)
+    all_boxes = comm.allgather(boxes.corners)
+    around = np.concatenate([-boxes.widths[:, None].repeat(3, 1), boxes.widths[:, None].repeat(3, 1)], axis=1)
+    known = known_at_first(comm, block, boxes, comm.allgather(boxes.corners + around))
+    others = [all_boxes[rank] for rank in range(comm.size) if rank != comm.rank]
+    ranks = [np.full(len(all_boxes[rank]), rank) for rank in range(comm.size) if rank != comm.rank]
+    foreign = tree_of_boxes(np.concatenate([*others, np.empty((0, 6))]))
+    starts = even_stretches(len(block), LEAF)
+    own = tree_of_boxes(boxes_of_stretches(block.points, starts))
+    labels = np.concatenate([*ranks, np.empty(0)]).astype(np.int64)
+    largest = comm.highest(np.array([np.abs(block.points).max(initial=0.0)]))
+    foreign, labels, own, starts = comm.keep(foreign, labels, own, starts)
+    return _Surroundings(comm, block, foreign, labels, own, starts, float(largest[0])), known

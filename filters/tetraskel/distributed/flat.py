@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.distributed.forests import Family, ForestPart, Nodes, families_of, numbered, preorder_places
 
 Ints = NDArray[np.integer]
@@ -24,25 +26,33 @@ def contract_part(comm: Communicator, forest: ForestPart, flat: Bools) -> tuple[
     if comm.total(int(flat.sum())) == 0:
         return forest, np.arange(len(forest))
     families = families_of(comm, forest.depth, forest.parent_rank, forest.parent_at)
-    place = preorder_places(forest, families)
+    place = preorder_places(comm, forest, families)
     above = _hung_from(comm, forest, flat, families)
+    del families
     roots = _new_roots(comm, forest, ~flat & (above[:, RANK] < 0))
-    kept = np.flatnonzero(~flat)
+    kept = comm.keep(np.flatnonzero(~flat).astype(np.int32))[0]
+    nodes = _kept_nodes(comm, forest, kept, (place, above, roots))
+    del place, above
+    ranks, indices = comm.keep(nodes.parent_rank, _new_indices(comm, nodes, ~flat))
+    part, order = numbered(comm, replace(nodes, parent_rank=ranks, parent_at=indices))
+    return part, comm.keep(kept[order])[0]
+
+
+def _kept_nodes(comm: Communicator, forest: ForestPart, kept: Ints, found: tuple[Ints, Ints, Ints]) -> Nodes:
+    """The nodes that stay, with their parents' old indices."""
+    place, above, roots = found
     tree = forest.tree_id[kept]
     orphan = (above[kept, RANK] < 0) & (forest.number[kept] != roots[tree, 0])
-    parents = np.where(orphan[:, None], roots[tree, 1:], above[kept, :DEPTH])
-    depth = above[kept, DEPTH] + (above[kept, TOP] != roots[tree, 0])
-    parents[:, INDEX] = _new_indices(comm, parents, ~flat)
-    nodes = Nodes(depth, tree, parents[:, RANK], parents[:, INDEX], place[kept])
-    part, order = numbered(comm, nodes)
-    return part, kept[order]
+    parents = np.where(orphan[:, None], roots[tree, 1:], above[kept, :DEPTH]).astype(np.int32)
+    depth = (above[kept, DEPTH] + (above[kept, TOP] != roots[tree, 0])).astype(np.int32)
+    return Nodes(*comm.keep(depth, tree, parents[:, RANK], parents[:, INDEX], place[kept]))
 
 
 def _hung_from(comm: Communicator, forest: ForestPart, flat: Bools, families: list[Family]) -> Ints:
     """(k, 4) for each node the nearest kept node above it and what is to be known of that; rank -1 for none."""
     n = len(forest)
-    above = np.full((n, 4), -1, np.int64)  # of each node
-    below = np.full((n, 4), -1, np.int64)  # what it passes to its sons
+    none = np.full((n, 4), -1, index_type(forest.n_nodes))
+    above, below = comm.keep(none, none.copy())  # of each node, and what it passes to its sons
     _pass_on(comm, forest, flat, np.flatnonzero(forest.parent_rank < 0), (above, below))
     for family in families:
         above[family.sons] = family.down(below[family.parents])
@@ -75,11 +85,13 @@ def _new_roots(comm: Communicator, forest: ForestPart, orphan: Bools) -> Ints:
     return roots
 
 
-def _new_indices(comm: Communicator, parents: Ints, kept: Bools) -> Ints:
+def _new_indices(comm: Communicator, nodes: Nodes, kept: Bools) -> Ints:
     """Indices of the parents among the kept nodes of their ranks; -1 stays."""
-    index = np.cumsum(kept) - 1
-    found = np.full(len(parents), -1, np.int64)
-    sons = np.flatnonzero(parents[:, RANK] >= 0)
-    route = Route(comm, parents[sons, RANK])
-    found[sons] = route.back(index[route.forward(parents[sons, INDEX])])
+    index, sons = comm.keep(
+        (np.cumsum(kept, dtype=np.int32) - 1), np.flatnonzero(nodes.parent_rank >= 0).astype(np.int32)
+    )
+    route = Route(comm, nodes.parent_rank[sons])
+    back = route.back(index[route.forward(nodes.parent_at[sons])])
+    found = np.full(len(nodes.depth), -1, np.int32)
+    found[sons] = back
     return found

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.distributed.numbering import sums_before
 
 Ints = NDArray[Any]
+
+ARRAYS = (
+    "number", "parent", "depth", "son_rank", "son_count", "subtree_size", "tree_id", "parent_rank", "parent_at",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,12 @@ class ForestPart:
     def __len__(self) -> int:
         return len(self.number)
 
+    def kept(self, comm: Communicator) -> ForestPart:
+        """The same, to outlast exchanges."""
+        kept = comm.keep(*(getattr(self, name) for name in ARRAYS))
+        arrays: dict[str, Any] = dict(zip(ARRAYS, kept, strict=True))
+        return replace(self, **arrays)
+
 
 @dataclass(frozen=True)
 class Family:
@@ -75,27 +85,39 @@ class Family:
 def families_of(comm: Communicator, depth: Ints, parent_rank: Ints, parent_at: Ints) -> list[Family]:
     """The families of all levels below the roots, top first."""
     deepest = int(comm.highest(np.array([depth.max(initial=0)]))[0])
-    order = np.argsort(depth, kind="stable")
-    bounds = np.searchsorted(depth[order], np.arange(deepest + 2))
-    families = []
+    bounds = np.concatenate([[0], np.cumsum(np.bincount(depth, minlength=deepest + 1))])
+    n_roots = int((parent_rank < 0).sum())
+    sons_of_ranks = np.bincount(parent_rank + 1, minlength=comm.size + 1)[1:, None]
+    n_parents = int(np.concatenate(comm.alltoall(list(sons_of_ranks))).sum())
+    order, turned, parents = comm.keep(
+        np.argsort(depth, kind="stable").astype(np.int32),
+        np.empty(len(depth) - n_roots, np.int32),
+        np.empty(n_parents, np.int32),
+    )
+    families, sent, received = [], 0, 0
     for level in range(1, deepest + 1):
         sons = order[bounds[level] : bounds[level + 1]]
         route = Route(comm, parent_rank[sons])
-        families.append(Family(sons, route, route.forward(parent_at[sons])))
+        above = route.forward(parent_at[sons])
+        places = slice(sent, sent + len(sons)), slice(received, received + len(above))
+        turned[places[0]], parents[places[1]] = route.order, above  # one place for those of all levels
+        route.order = turned[places[0]]
+        families.append(Family(sons, route, parents[places[1]]))
+        sent, received = places[0].stop, places[1].stop
     return families
 
 
-def subtree_sizes(families: list[Family], n: int) -> NDArray[np.int64]:
-    """(n,) number of nodes from each node down."""
-    sizes = np.ones(n, np.int64)
+def subtree_sizes(comm: Communicator, families: list[Family], n: int, n_nodes: int) -> Ints:
+    """(n,) number of nodes from each node down, of `n_nodes` on all ranks."""
+    sizes = comm.keep(np.ones(n, index_type(n_nodes)))[0]
     for family in reversed(families):
         np.add.at(sizes, family.parents, family.up(sizes[family.sons]))
     return sizes
 
 
-def preorder_places(forest: ForestPart, families: list[Family]) -> NDArray[np.int64]:
+def preorder_places(comm: Communicator, forest: ForestPart, families: list[Family]) -> Ints:
     """(k,) place of each node in its tree when a node is followed by its first son's subtree, then the second's."""
-    place = np.zeros(len(forest), np.int64)
+    place = comm.keep(np.zeros(len(forest), index_type(forest.n_nodes)))[0]
     for family in families:
         own = np.stack([forest.subtree_size[family.sons], forest.son_rank[family.sons]], axis=1).astype(np.int64)
         sizes, ranks = family.up(own).T
@@ -137,24 +159,25 @@ def numbered(comm: Communicator, nodes: Nodes) -> tuple[ForestPart, Ints]:
     """Number nodes tree by tree in the order of a breadth-first walk; also the former index of each."""
     n = len(nodes.depth)
     families = families_of(comm, nodes.depth, nodes.parent_rank, nodes.parent_at)
-    son_rank, son_count, number = (np.zeros(n, np.int64) for _ in range(3))
+    son_rank, son_count, number = comm.keep(*(np.zeros(n, np.int64) for _ in range(3)))
     for family in families:
         ranked = np.lexsort([family.up(nodes.order[family.sons]), family.parents])
         places = np.empty(len(ranked), np.int64)
         places[ranked] = _sums_within(family.parents[ranked], np.ones(len(ranked), np.int64))
         son_rank[family.sons] = family.down(places)
-        son_count += np.bincount(family.parents, minlength=n)
+        np.add.at(son_count, family.parents, 1)
     roots = np.flatnonzero(nodes.parent_rank < 0)
     trees = np.sort(np.concatenate(comm.allgather(nodes.tree_id[roots].astype(np.int64))))
     number[roots] = np.searchsorted(trees, nodes.tree_id[roots])
     start, stop, front = 0, len(trees), roots
+    bases = comm.keep(np.zeros(n, np.int64))[0]
     for family in families:
         front = front[np.argsort(number[front])]
-        bases = np.zeros(n, np.int64)
         bases[front], total = sums_before(comm, number[front], son_count[front], start, stop)
         number[family.sons] = stop + family.down(bases[family.parents]) + son_rank[family.sons]
         start, stop, front = stop, stop + total, family.sons
-    sizes = subtree_sizes(families, n)
+    del bases
+    sizes = subtree_sizes(comm, families, n, stop)
     if len(trees) > 1:
         number = tree_by_tree(comm, number, nodes.depth, nodes.tree_id)
     return _in_order(comm, nodes, number, (son_rank, son_count, sizes), stop)
@@ -164,21 +187,40 @@ def _in_order(
     comm: Communicator, nodes: Nodes, number: Ints, measures: tuple[Ints, Ints, Ints], n_nodes: int
 ) -> tuple[ForestPart, Ints]:
     """Sort the nodes by their numbers; parents' indices follow."""
-    order = np.argsort(number)
-    index = np.empty(len(order), np.int64)
-    index[order] = np.arange(len(order))
-    sons = np.flatnonzero(nodes.parent_rank >= 0)
-    route = Route(comm, nodes.parent_rank[sons])
-    above = route.forward(nodes.parent_at[sons])
-    parent, parent_at = np.full(len(order), -1, np.int64), np.full(len(order), -1, np.int64)
-    found = route.back(np.stack([number[above], index[above]], axis=1))
-    parent[sons], parent_at[sons] = found.T
+    order = comm.keep(np.argsort(number).astype(np.int32))[0]
+    parent, parent_at = parents_in_order(comm, number, (nodes.parent_rank, nodes.parent_at), order)
     rank, count, size = (values[order] for values in measures)
     part = ForestPart(
-        number[order], parent[order], nodes.depth[order], rank, count, size, nodes.tree_id[order],
-        nodes.parent_rank[order], parent_at[order], n_nodes,
+        number[order], parent, nodes.depth[order], rank, count, size, nodes.tree_id[order],
+        nodes.parent_rank[order], parent_at, n_nodes,
     )  # fmt: skip
-    return part, order
+    return part.kept(comm), order
+
+
+def parents_in_order(comm: Communicator, number: Ints, parents: tuple[Ints, Ints], order: Ints) -> tuple[Ints, Ints]:
+    """Number and index of each node's parent when the nodes of each rank are sorted by their numbers.
+
+    Parameters
+    ----------
+    number : (k,) int
+        Of each node.
+    parents : two (k,) int
+        Rank and index of each parent before sorting, -1 for a root.
+    order : (k,) int
+        Indices that sort the numbers.
+    """
+    index = np.empty(len(order), np.int32)
+    index[order] = np.arange(len(order), dtype=np.int32)
+    index = comm.keep(index)[0]
+    sons = comm.keep(np.flatnonzero(parents[0] >= 0).astype(np.int32))[0]
+    route = Route(comm, parents[0][sons])
+    above = route.forward(parents[1][sons])
+    found = []
+    for values in (number, index):
+        of_parent = np.full(len(order), -1, values.dtype)
+        of_parent[sons] = route.back(values[above])
+        found.append(comm.keep(of_parent[order])[0])
+    return found[0], found[1]
 
 
 def tree_by_tree(comm: Communicator, number: Ints, depth: Ints, tree_id: Ints) -> Ints:

@@ -65,21 +65,45 @@ def run_on_ranks(size: int, work: Callable[[Communicator], T]) -> list[T]:
         What a rank raised first; the others stop with it.
     """
     board = _Board(size)
+
+    def run(rank: int) -> T:
+        comm = ThreadCommunicator(board, rank)
+        return together(comm, lambda: work(comm))
+
+    return joined(size, run)
+
+
+def joined(size: int, run: Callable[[int], T], stop: Callable[[], None] = lambda: None) -> list[T]:
+    """Call `run(rank)` in a thread for each rank; what each returned, in order.
+
+    Raises
+    ------
+    Exception
+        What a rank raised first. When the caller is interrupted meanwhile, `stop` is called to end the threads.
+    """
     results: list[Any] = [None] * size
     failures: list[BaseException] = []
 
-    def run(rank: int) -> None:
-        comm = ThreadCommunicator(board, rank)
+    def work(rank: int) -> None:
         try:
-            results[rank] = together(comm, lambda: work(comm))
+            results[rank] = run(rank)
         except BaseException as error:
             failures.append(error)
 
-    threads = [threading.Thread(target=run, args=(rank,), daemon=True) for rank in range(size)]
+    threads = [threading.Thread(target=work, args=(rank,), daemon=True) for rank in range(size)]
     for thread in threads:
         thread.start()
-    for thread in threads:
-        thread.join()
+    try:
+        _wait_for(threads)
+    except BaseException:
+        stop()
+        _wait_for(threads)
+        raise
     if failures:
         raise min(failures, key=lambda error: str(error).startswith("rank "))
     return results
+
+
+def _wait_for(threads: Sequence[threading.Thread]) -> None:
+    for thread in threads:
+        thread.join()

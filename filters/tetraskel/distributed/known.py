@@ -50,6 +50,11 @@ class Known:
         """(n,) row of each point in the serial mesh."""
         return np.asarray(self.names[:, 0])
 
+    def kept(self, comm: Communicator) -> Known:
+        """The same, to outlast exchanges."""
+        points, place, names, own = comm.keep(self.points, self.place, self.names, self.own)
+        return Known(points, place, names, own)
+
     def with_others(self, points: Floats, place: Ints, names: Ints) -> Known:
         """The same and points of other ranks; some may be known already."""
         new = np.flatnonzero(~np.isin(place, self.place))
@@ -64,26 +69,43 @@ class Known:
         )
 
 
-def known_at_first(comm: Communicator, block: Block, boxes: list[Floats], widths: list[Floats]) -> Known:
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes around stretches of a block.
+
+    Attributes
+    ----------
+    corners : (k, 6) float
+        Lowest and highest corner of each.
+    widths : (k,) float
+        How far around each box points are taken to be neighbours. A guess: what is missing is asked for later.
+    starts : (k+1,) int
+        Where the points of each begin, and the number of points.
+    """
+
+    corners: Floats
+    widths: Floats
+    starts: Ints
+
+
+def known_at_first(comm: Communicator, block: Block, own: Boxes, wide: list[Floats]) -> Known:
     """The block, points of others near its boxes, and a few points that span space.
 
     Parameters
     ----------
-    boxes : for each rank (k, 6)
-        Boxes around its points.
-    widths : for each rank (k,)
-        How far around each box points are taken to be neighbours. A guess: what is missing is asked for later.
+    wide : for each rank (k, 6)
+        Its boxes, made larger by what it takes for its neighbourhood.
     """
     known = Known(block.points, block.place, block.names, np.ones(len(block), bool))
     wanted = []
     for rank in range(comm.size):
         near = np.zeros(len(block), bool)
-        if rank != comm.rank and len(boxes[rank]) and len(boxes[comm.rank]):
-            near = _near(block.points, boxes[comm.rank], boxes[rank], widths[rank])
+        if rank != comm.rank:
+            near = _near(block.points, own, wide[rank])
         wanted.append(np.flatnonzero(near))
     basis = affine_basis(block.points)
     wanted = [np.union1d(rows, basis) if rank != comm.rank else rows for rank, rows in enumerate(wanted)]
-    known = known.with_others(*told(comm, block, wanted))
+    known = known.with_others(*told(comm, block, wanted)).kept(comm)
     spans = comm.lowest(np.array([len(block) == 0 or first_simplex(known.points) is not None]))
     if not spans.all():
         raise InputError("expected points that fill space, got points of one plane; use one rank.")
@@ -101,8 +123,8 @@ def told(comm: Communicator, block: Block, rows: list[Ints]) -> tuple[Floats, In
     )
 
 
-def boxes_of_block(block: Block) -> tuple[Floats, Floats]:
-    """Boxes (k, 6) around stretches of the block, and for each how far its neighbours may be, at a guess.
+def boxes_of_block(block: Block) -> Boxes:
+    """Boxes around stretches of the block.
 
     The guess is twice the distance of as many points that fill the octree's cell; few points in a cell, which may only
     touch it, are not taken for sparse ones.
@@ -110,15 +132,16 @@ def boxes_of_block(block: Block) -> tuple[Floats, Floats]:
     length = max(SMALLEST_BOX, len(block) // BOXES)
     starts, levels = stretches_by_cells(block.codes, length, MORTON_BITS[3])
     counts = np.maximum(np.diff(starts), length / 8)
-    return boxes_of_stretches(block.points, starts), 2 * np.ldexp(block.extent, -levels) / np.cbrt(counts)
+    widths = 2 * np.ldexp(block.extent, -levels) / np.cbrt(counts)
+    return Boxes(boxes_of_stretches(block.points, starts), widths, starts)
 
 
-def _near(points: Floats, own_boxes: Floats, boxes: Floats, widths: Floats) -> Bools:
-    """(n,) points nearer to one of the boxes than its width."""
+def _near(points: Floats, own: Boxes, wide: Floats) -> Bools:
+    """(n,) points in one of the (k, 6) boxes; only boxes that meet that of a point's stretch are looked at."""
     near = np.zeros(len(points), bool)
-    low, high = own_boxes[:, :3].min(axis=0), own_boxes[:, 3:].max(axis=0)
-    for box, width in zip(boxes, widths, strict=True):
-        if (box[:3] - width <= high).all() and (box[3:] + width >= low).all():
-            inside = (points >= box[:3] - width).all(axis=1) & (points <= box[3:] + width).all(axis=1)
-            near |= inside
+    for corners, start, stop in zip(own.corners, own.starts[:-1], own.starts[1:], strict=True):
+        met = wide[(wide[:, :3] <= corners[3:]).all(axis=1) & (wide[:, 3:] >= corners[:3]).all(axis=1)]
+        if len(met):
+            stretch = points[start:stop, None]
+            near[start:stop] = ((stretch >= met[:, :3]) & (stretch <= met[:, 3:])).all(axis=2).any(axis=1)
     return near

@@ -27,8 +27,9 @@ def sums_before(comm: Communicator, numbers: Ints, weights: Ints, start: int, st
     own = np.cumsum(weights) - weights
     heads = np.flatnonzero(np.diff(numbers, prepend=-2) != 1)
     totals = np.diff(np.append(own[heads], weights.sum()))
-    route = Route(comm, (numbers[heads] - start) * comm.size // max(stop - start, 1))
-    runs = route.forward(np.stack([numbers[heads], totals], axis=1))
+    own, first = comm.keep(own)[0], numbers[heads].astype(np.int64)
+    route = Route(comm, (first - start) * comm.size // max(stop - start, 1))
+    runs = route.forward(np.stack([first, totals], axis=1))
     order = np.argsort(runs[:, 0], kind="stable")
     sums = np.cumsum(runs[order, 1])
     shares = np.concatenate(comm.allgather(sums[-1:] if len(sums) else np.zeros(1, np.int64)))

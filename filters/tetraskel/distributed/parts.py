@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.errors import MeshError
 from tetraskel.kernels.adjacency import facet_points, scramble
 from tetraskel.kernels.mesh import Triangulation
@@ -47,11 +46,13 @@ class MeshPart:
     def __len__(self) -> int:
         return len(self.mesh)
 
-    @cached_property
-    def across(self) -> NDArray[np.int32]:
-        """(m, d+1) own simplex across each facet; m + j for the facet `halves[j]`; -1 for none."""
-        across = np.array(self.mesh.neighbors, np.int32)
-        across.reshape(-1)[self.halves] = len(self.mesh) + np.arange(len(self.halves), dtype=np.int32)
+    def across(self, halves: Ints) -> NDArray[np.int64]:
+        """Own simplex across each of these facets; m + j for the facet `halves[j]` of the part; -1 for none."""
+        across = np.take(self.mesh.neighbors, halves).astype(np.int64)
+        open_ones = np.nonzero(across < 0)
+        link = np.searchsorted(self.halves, halves[open_ones])
+        is_cut = np.append(self.halves, -1)[link] == halves[open_ones]
+        across[open_ones] = np.where(is_cut, len(self.mesh) + link, -1)
         return across
 
 
@@ -84,10 +85,11 @@ def part_of_mesh(comm: Communicator, mesh: Triangulation, point_ids: Ints, cell_
     met = route.forward(sent)
     other = route.back(_paired(met, route.source))
     found = np.flatnonzero(other[:, 0] >= 0)
+    n_cells, first = comm.total(len(mesh)), comm.before(len(mesh))
     if cell_ids is None:
-        cell_ids = comm.before(len(mesh)) + np.arange(len(mesh), dtype=np.int64)
-    linked = other[found]
-    return MeshPart(mesh, point_ids, cell_ids, open_halves[found], linked[:, 0], linked[:, 1], comm.total(len(mesh)))
+        cell_ids = np.arange(first, first + len(mesh), dtype=index_type(n_cells))
+    cell_ids, halves, ranks, mates = comm.keep(cell_ids, open_halves[found], other[found, 0], other[found, 1])
+    return MeshPart(mesh, point_ids, cell_ids, halves, ranks, mates, n_cells)
 
 
 def _sorted_by_id(mesh: Triangulation, point_ids: Ints) -> tuple[Triangulation, Ints]:

@@ -33,18 +33,26 @@ def root_facets(comm: Communicator, part: MeshPart, pieces: Ints) -> tuple[Ints,
     n_trees : int
         On all ranks.
     """
-    names, local = np.unique(pieces, return_inverse=True)
-    closed = replace(part.mesh, neighbors=part.across)
-    cells, entries = first_facets_by_piece(closed, local.reshape(-1))
+    cells, entries, names = _own_first_facets(part, pieces)
+    del pieces
     facets = facet_points(part.mesh.simplices, cells.astype(np.int64) * (part.mesh.dim + 1) + entries)
     corners = np.concatenate(comm.allgather(part.mesh.coordinates[facets].reshape(len(cells), part.mesh.dim**2)))
-    mine = np.column_stack([names[local.reshape(-1)[cells]], np.full(len(cells), comm.rank), np.arange(len(cells))])
+    mine = np.column_stack([names, np.full(len(cells), comm.rank), np.arange(len(cells))])
     rows = np.column_stack([mine, part.point_ids[facets].reshape(len(cells), part.mesh.dim)]).astype(np.int64)
     rows = np.concatenate(comm.allgather(rows))
     firsts = _first_of_each(corners.reshape(-1, part.mesh.dim, part.mesh.dim), rows[:, 0], rows[:, 3:])
     trees = np.flatnonzero(rows[firsts, 1] == comm.rank)
     own = rows[firsts[trees], 2]
     return cells[own].astype(np.int64), entries[own], trees, len(firsts)
+
+
+def _own_first_facets(part: MeshPart, pieces: Ints) -> tuple[Ints, Ints, Ints]:
+    """Of each piece the first hull facet that this rank has: its simplex, the vertex opposite, and the piece."""
+    _, local = np.unique(pieces, return_inverse=True)
+    neighbors = part.mesh.neighbors.copy()
+    neighbors.reshape(-1)[part.halves] = 0  # not a border, whichever simplex is there
+    cells, entries = first_facets_by_piece(replace(part.mesh, neighbors=neighbors), local.reshape(-1))
+    return cells, entries, pieces[cells]
 
 
 def _first_of_each(corners: Floats, pieces: Ints, ids: Ints) -> Ints:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.distributed.forests import ForestPart, families_of
 from tetraskel.distributed.numbering import sums_before
 from tetraskel.kernels.skeleton import END, JUNCTION
@@ -16,6 +16,7 @@ from tetraskel.options import SkeletonOptions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[Any]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -51,27 +52,41 @@ def skeleton_part(
 ) -> SkeletonPart:
     """The skeleton of a forest: its nodes without the leaves, cut into branches."""
     kept = (forest.son_count > 0) | (forest.parent < 0) | keep_leaves
-    index, n_nodes = sums_before(comm, forest.number, kept.astype(np.int64), 0, forest.n_nodes)
-    node = np.flatnonzero(kept)
-    own_index = np.cumsum(kept) - 1
-    sons = np.flatnonzero(kept & (forest.parent_rank >= 0))
-    route = Route(comm, forest.parent_rank[sons])
-    above = route.forward(forest.parent_at[sons])
-    n_sons = np.bincount(above, minlength=len(forest))
-    is_bound = (forest.parent < 0) | (n_sons != 1)
-    told = np.column_stack([index[above], own_index[above], is_bound[above]]).astype(np.int64)
-    parent, parent_at, below_bound = np.full((3, len(forest)), -1, np.int64)
-    parent[sons], parent_at[sons], below_bound[sons] = route.back(told).T
-    begins = below_bound[node] > 0
-    degree = n_sons[node] + (forest.parent[node] >= 0)
-    number, n_branches = sums_before(comm, index[node], begins.astype(np.int64), 0, n_nodes)
-    branch = np.where(begins, number, -1)
-    links = (forest.depth[node], forest.parent_rank[node], parent_at[node])
-    for family in families_of(comm, *links):
+    node, kept = comm.keep(np.flatnonzero(kept).astype(np.int32), kept)
+    index, n_nodes = sums_before(comm, forest.number, kept.view(np.int8), 0, forest.n_nodes)
+    index = comm.keep(index.astype(index_type(forest.n_nodes)))[0]
+    parent, parent_at, begins, degree = _linked(comm, forest, kept, index)
+    parent, parent_at, begins, degree, index = comm.keep(
+        parent[node], parent_at[node], begins[node], degree[node], index[node]
+    )
+    number, n_branches = sums_before(comm, index, begins.view(np.int8), 0, n_nodes)
+    branch = comm.keep(np.where(begins, number, -1).astype(index_type(n_branches)))[0]
+    del number
+    depth, parent_rank = comm.keep(forest.depth[node], forest.parent_rank[node])
+    for family in families_of(comm, depth, parent_rank, parent_at):
         inherited = family.down(branch[family.parents])
         branch[family.sons] = np.where(begins[family.sons], branch[family.sons], inherited)
-    node_type = np.clip(degree - 1, END, JUNCTION)
-    return SkeletonPart(node, index[node], parent[node], degree, node_type, branch, links[1], links[2], n_branches)
+    node_type = np.clip(degree - 1, END, JUNCTION).astype(np.uint8)
+    node_type = comm.keep(node_type)[0]
+    return SkeletonPart(node, index, parent, degree, node_type, branch, parent_rank, parent_at, n_branches)
+
+
+def _linked(comm: Communicator, forest: ForestPart, kept: Bools, index: Ints) -> tuple[Ints, Ints, Bools, Ints]:
+    """Of each node of the tree its parent's skeleton index and row there, whether a branch begins, and its degree."""
+    sons, own_index = comm.keep(
+        np.flatnonzero(kept & (forest.parent_rank >= 0)).astype(np.int32), np.cumsum(kept, dtype=np.int32) - 1
+    )
+    route = Route(comm, forest.parent_rank[sons])
+    above = route.forward(forest.parent_at[sons])
+    n_sons = np.bincount(above, minlength=len(forest)).astype(np.int32)
+    is_bound = (forest.parent < 0) | (n_sons != 1)
+    found = []
+    (degree,) = comm.keep(n_sons + (forest.parent >= 0))
+    for values, nothing in ((index, -1), (own_index, -1), (is_bound, False)):
+        of_parent = np.full(len(forest), nothing, values.dtype)
+        of_parent[sons] = route.back(values[above])
+        found.extend(comm.keep(of_parent))
+    return found[0], found[1], found[2], degree
 
 
 @dataclass(frozen=True)

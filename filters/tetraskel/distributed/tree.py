@@ -13,14 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
-from tetraskel.distributed.forests import ForestPart, Nodes, families_of, subtree_sizes, tree_by_tree
+from tetraskel.distributed.communicator import Communicator, Route, index_type
+from tetraskel.distributed.forests import ForestPart, families_of, parents_in_order, subtree_sizes, tree_by_tree
 from tetraskel.distributed.numbering import sums_before
 from tetraskel.distributed.parts import MeshPart
 from tetraskel.distributed.roots import joined_pieces, root_facets
 from tetraskel.errors import MeshError
 from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.node_arrays import Arrays, simplex_arrays
 from tetraskel.kernels.sons import CROSSINGS, crossing_codes
+from tetraskel.kernels.tree import Tree
 
 Ints = NDArray[Any]
 
@@ -53,33 +55,42 @@ def build_tree_part(comm: Communicator, part: MeshPart, tick: Tick = silent) -> 
     MeshError
         For a piece without border.
     """
-    codes = crossing_codes(part.mesh, tick)
-    pieces: Ints = np.zeros(len(part), np.int64)
+    codes = comm.keep(crossing_codes(part.mesh, tick))[0]
     walk = _Walk(comm, part, codes)
-    walk.run(root_facets(comm, part, pieces), tick)
+    walk.run(root_facets(comm, part, np.zeros(len(part), np.int32)), tick)
     if walk.n_nodes < part.n_cells:
-        pieces = joined_pieces(comm, part)
+        del walk
+        roots = root_facets(comm, part, joined_pieces(comm, part))
         walk = _Walk(comm, part, codes)
-        walk.run(root_facets(comm, part, pieces), tick)
+        walk.run(roots, tick)
     if walk.n_nodes < part.n_cells:
         closed = part.n_cells - walk.n_nodes
         raise MeshError(f"expected pieces with a border, got {closed} simplices without one; remove doubled cells.")
+    del codes
     return walk.result()
+
+
+def simplex_arrays_of_part(tree: TreePart, tick: Tick = silent) -> Arrays:
+    """What the simplices of one rank say of its nodes, with the ids that simplices and points have on all ranks."""
+    ids = tree.part.point_ids.astype(np.int64)
+    walked = Tree(tree.forest, tree.cell, tree.entry, tree.part.mesh, "breadth")  # type: ignore[arg-type]
+    named = {"CellId": tree.part.cell_ids[tree.cell].astype(np.int64), "ApexId": ids[walked.apex]}
+    return {**simplex_arrays(walked, tick), **named, "EntryFacet": ids[walked.entry_facet]}
 
 
 class _Walk:
     """The walk so far: what each simplex of this rank became."""
 
     def __init__(self, comm: Communicator, part: MeshPart, codes: NDArray[np.uint8]) -> None:
-        m, self.width = part.across.shape
+        m, self.width = part.mesh.simplices.shape
         self.comm, self.part, self.codes = comm, part, codes
         self.crossings = CROSSINGS[self.width - 1].reshape(-1, self.width - 1).astype(np.intp)
-        self.number: Ints = np.full(m, -1, np.int64)
-        self.parent, self.parent_at = (np.full(m, -1, np.int64) for _ in range(2))
-        self.depth, self.son_rank, self.son_count = (np.zeros(m, np.int32) for _ in range(3))
-        self.tree, self.parent_rank = np.zeros(m, np.int32), np.full(m, -1, np.int32)
-        self.entry = np.zeros(m, np.uint8)
-        self.claim = np.empty(m, np.int64)
+        none = np.full(m, -1, np.int32)
+        depth, sons, entry = np.zeros(m, np.int32), np.zeros(m, np.int8), np.zeros(m, np.uint8)
+        self.number, self.parent_at, self.parent_rank, self.depth, self.tree, self.claim = comm.keep(
+            none.astype(index_type(part.n_cells)), none, none.copy(), depth, depth.copy(), none.copy()
+        )
+        self.entry, self.son_rank, self.son_count = comm.keep(entry, sons, sons.copy())
         self.n_nodes = self.n_trees = 0
 
     def run(self, roots: tuple[Ints, Ints, Ints, int], tick: Tick) -> None:
@@ -100,8 +111,8 @@ class _Walk:
         dim = self.width - 1
         opposite = self.crossings[self.codes[front].astype(np.intp) * self.width + self.entry[front]]
         halves = front[:, None] * self.width + opposite  # (f, d) facets ahead
-        ahead = self.part.across.ravel()[halves].astype(np.int64)
-        queue = self.number[front][:, None] * dim + np.arange(dim)  # places of the offers
+        ahead = self.part.across(halves)
+        queue = self.number[front].astype(np.int64)[:, None] * dim + np.arange(dim)  # places of the offers
         here = np.nonzero((ahead >= 0) & (ahead < len(self.part)))
         here = tuple(index[self.number[ahead[here]] < 0] for index in here)
         away = np.nonzero(ahead >= len(self.part))
@@ -139,11 +150,11 @@ class _Walk:
     def _take_own(self, front: Ints, halves: Ints, here: tuple, found: tuple[Ints, Ints, Ints]) -> None:
         sons, numbers, ranks = found
         taken = tuple(index[sons[here]] for index in here)
-        cells = self.part.across.ravel()[halves[taken]]
+        cells = np.take(self.part.mesh.neighbors, halves[taken])
         above = front[taken[0]]
-        self.entry[cells] = (self.part.across[cells] == above[:, None]).argmax(axis=1)
+        self.entry[cells] = (self.part.mesh.neighbors[cells] == above[:, None]).argmax(axis=1)
         self.number[cells], self.son_rank[cells] = numbers[taken], ranks[taken]
-        self.parent[cells], self.tree[cells] = self.number[above], self.tree[above]
+        self.tree[cells] = self.tree[above]
         self.parent_rank[cells], self.parent_at[cells] = self.comm.rank, above
 
     def _take_others(self, halves: Ints, front: Ints, away: tuple, found: tuple[Ints, Ints, Ints]) -> None:
@@ -151,13 +162,12 @@ class _Walk:
         sons, numbers, ranks = found
         taken = tuple(index[sons[away]] for index in away)
         above = front[taken[0]]
-        link = self.part.across[above, self._opposite(front, taken)] - len(self.part)
+        link = np.searchsorted(self.part.halves, above * self.width + self._opposite(front, taken))
         route = Route(self.comm, self.part.ranks[link])
-        told = np.stack([numbers[taken], ranks[taken], self.number[above], self.tree[above]], axis=1)
-        number, rank, parent, tree = route.forward(told).T
+        number, rank, tree = route.forward(np.stack([numbers[taken], ranks[taken], self.tree[above]], axis=1)).T
         cells, self_link = halves // self.width, np.searchsorted(self.part.halves, halves)
         self.entry[cells] = halves % self.width
-        self.number[cells], self.son_rank[cells], self.parent[cells], self.tree[cells] = number, rank, parent, tree
+        self.number[cells], self.son_rank[cells], self.tree[cells] = number, rank, tree
         self.parent_rank[cells] = self.part.ranks[self_link]
         self.parent_at[cells] = self.part.mates[self_link] // self.width
 
@@ -167,22 +177,16 @@ class _Walk:
 
     def result(self) -> TreePart:
         """The finished tree, nodes in the order of their numbers."""
-        number, parent = self.number, self.parent
+        number = self.number
         if self.n_trees > 1:
             number = tree_by_tree(self.comm, number, self.depth, self.tree)
-        order = np.argsort(number)
-        index = np.empty(len(order), np.int64)
-        index[order] = np.arange(len(order))
-        nodes = Nodes(self.depth[order], self.tree[order], self.parent_rank[order], self.parent_at[order], order)
-        sons = np.flatnonzero(nodes.parent_rank >= 0)
-        route = Route(self.comm, nodes.parent_rank[sons])
-        above = route.forward(nodes.parent_at[sons])
-        parent, parent_at = np.full(len(order), -1, np.int64), np.full(len(order), -1, np.int64)
-        parent[sons], parent_at[sons] = route.back(np.stack([number[above], index[above]], axis=1)).T
+        order = self.comm.keep(np.argsort(number).astype(np.int32))[0]
+        parent, parent_at = parents_in_order(self.comm, number, (self.parent_rank, self.parent_at), order)
         forest = ForestPart(
-            number[order], parent, nodes.depth, self.son_rank[order], self.son_count[order], np.empty(0, np.int64),
-            nodes.tree_id, nodes.parent_rank, parent_at, self.n_nodes,
-        )  # fmt: skip
+            number[order], parent, self.depth[order], self.son_rank[order], self.son_count[order],
+            np.empty(0, np.int32), self.tree[order], self.parent_rank[order], parent_at, self.n_nodes,
+        ).kept(self.comm)  # fmt: skip
+        entry, mesh_part = self.comm.keep(self.entry[order])[0], self.part
         families = families_of(self.comm, forest.depth, forest.parent_rank, forest.parent_at)
-        forest = replace(forest, subtree_size=subtree_sizes(families, len(forest)))
-        return TreePart(forest, order, self.entry[order], self.part)
+        sizes = subtree_sizes(self.comm, families, len(forest), forest.n_nodes)
+        return TreePart(replace(forest, subtree_size=sizes), order, entry, mesh_part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,9 @@ from tetraskel.distributed.parts import MeshPart, part_of_mesh
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.points import finite_points
+
+if TYPE_CHECKING:
+    from tetraskel.distributed.delaunay import OwnedCells
 
 Ints = NDArray[np.int64]
 
@@ -59,14 +63,27 @@ def triangulate_part(comm: Communicator, points: ArrayLike, ids: Ints, tick: Tic
     """
     from tetraskel.distributed.delaunay import delaunay_of_block  # loads only where numba is
 
-    whole = finite_points(points)
-    n_input = comm.total(len(whole))
-    block = deal_by_place(comm, whole, np.asarray(ids, np.int64))
+    whole = comm.keep(finite_points(points))
+    n_input = comm.total(len(whole[0]))
+    block = deal_by_place(comm, whole.pop(), np.asarray(ids, np.int64))
+    n_distinct = block.total
     cells = delaunay_of_block(comm, block, tick)
-    known, used = cells.known, cells.known.own.copy()
+    del block
+    known, rows = cells.known, _rows_by_id(cells)
+    new_id = np.full(len(known), -1, np.int32)
+    new_id[rows] = np.arange(len(rows), dtype=np.int32)
+    points, simplices, neighbors, point_ids, owned, origins = comm.keep(
+        known.points[rows], new_id[cells.simplices], cells.neighbors,
+        known.row[rows], known.own[rows], known.names[rows, 1:],
+    )  # fmt: skip
+    del cells, known, rows, new_id
+    part = part_of_mesh(comm, Triangulation(points, simplices, neighbors, engine="exact"), point_ids)
+    return TriangulatedPart(part, owned, origins, n_input, n_distinct)
+
+
+def _rows_by_id(cells: OwnedCells) -> Ints:
+    """The known points that are own or of own cells, in the order of their ids."""
+    used = cells.known.own.copy()
     used[cells.simplices.ravel()] = True
-    new_id = (np.cumsum(used) - 1).astype(np.int32)
-    mesh = Triangulation(known.points[used], new_id[cells.simplices], cells.neighbors, engine="exact")
-    part = part_of_mesh(comm, mesh, known.row[used])
-    order = np.flatnonzero(used)[np.argsort(known.row[used])]
-    return TriangulatedPart(part, known.own[order], known.names[order, 1:], n_input, block.total)
+    rows = np.flatnonzero(used)
+    return rows[np.argsort(cells.known.row[rows], kind="stable")]

@@ -51,6 +51,11 @@ class Forest:
         return len(self.parent)
 
     @property
+    def number(self) -> Ints:
+        """(n,) each node's own number."""
+        return np.arange(len(self))
+
+    @property
     def is_leaf(self) -> Bools:
         """(n,) nodes without sons."""
         return np.asarray(self.son_count == 0)

@@ -70,13 +70,23 @@ def finite_points(points: ArrayLike) -> Floats:
     if given.dtype.kind not in "fiub":
         raise InputError(f"expected points as real numbers, got an array of type {given.dtype}.")
     whole = np.array(given, dtype=np.float64, order="C")
-    bad = int((~(np.abs(whole) < LARGEST)).any(axis=1).sum())
+    bad = count_bad(whole)
     if bad:
-        raise InputError(
-            f"expected finite coordinates below {LARGEST:g}, got {bad} of {len(whole)} points with NaN, infinity or "
-            "larger values; remove these points first."
-        )
+        raise InputError(bad_coordinates(bad, len(whole)))
     return whole + 0.0  # -0.0 and 0.0 are one place
+
+
+def count_bad(points: Floats) -> int:
+    """How many points have a coordinate that is NaN, infinite or too large to be squared."""
+    return int((~(np.abs(points) < LARGEST)).any(axis=1).sum())
+
+
+def bad_coordinates(bad: int, n: int) -> str:
+    """What to say of them."""
+    return (
+        f"expected finite coordinates below {LARGEST:g}, got {bad} of {n} points with NaN, infinity or larger values; "
+        "remove these points first."
+    )
 
 
 def _merge_equal(points: Floats, roundoff: Floats) -> DistinctPoints:

@@ -54,11 +54,16 @@ class TreeSkeleton:
     @property
     def branch_lengths(self) -> Floats:
         """(b,) length of each branch, in the length unit."""
-        path = self.points[self.branch_nodes]
-        steps = np.sqrt(((path[1:] - path[:-1]) ** 2).sum(axis=1))
-        steps = np.append(steps, 0.0)
-        steps[self.branch_offsets[1:] - 1] = 0.0  # from the end of one branch to the beginning of the next
-        return np.add.reduceat(steps, self.branch_offsets[:-1]) if len(self.branch_nodes) else np.empty(0)
+        return lengths_along(self.points[self.branch_nodes], self.branch_offsets)
+
+
+def lengths_along(path: Floats, offsets: Ints) -> Floats:
+    """(b,) length of each of the polylines `path[offsets[k]:offsets[k+1]]`, in the length unit."""
+    if len(path) == 0:
+        return np.empty(0)
+    steps = np.append(np.sqrt(((path[1:] - path[:-1]) ** 2).sum(axis=1)), 0.0)
+    steps[offsets[1:] - 1] = 0.0  # from the end of one polyline to the beginning of the next
+    return np.add.reduceat(steps, offsets[:-1])
 
 
 def assemble_skeleton(

@@ -9,12 +9,22 @@ from tetraskel.distributed.flat import contract_part
 from tetraskel.errors import InputError
 from tetraskel.kernels.flat import all_flat, contract
 from tetraskel.kernels.mesh import submesh
+from tetraskel.kernels.node_arrays import forest_arrays
 from tetraskel.kernels.quality import qualities
 from tetraskel.options import FlatOptions
 from tetraskel.vtkfilters import ranks_tree
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_facts, array_of, copy_rows, fill_grid, mesh_of, points_of, to_cells
-from tetraskel.vtkfilters.treedata import copy_node_arrays, fill_tree, forest_arrays, forest_of
+from tetraskel.vtkfilters.convert import (
+    add_facts,
+    array_of,
+    copy_rows,
+    fill_grid,
+    mesh_of,
+    pass_facts,
+    points_of,
+    to_cells,
+)
+from tetraskel.vtkfilters.treedata import copy_node_arrays, fill_tree, forest_of
 
 
 class FlatTetraRemoval(SkeletonFilter):
@@ -69,11 +79,10 @@ class FlatTetraRemoval(SkeletonFilter):
         forest, own = ranks_tree.forest_part_of(comm, source)
         quality = self._quality(source) if len(own) else np.empty(0)
         kept_forest, kept = contract_part(comm, forest, quality[own] < self.threshold)
-        arrays = ranks_tree.forest_part_arrays(kept_forest)
-        ranks_tree.fill_nodes(comm, output, kept_forest, points_of(source)[own[kept]], arrays)
+        ranks_tree.fill_nodes(comm, output, kept_forest, points_of(source)[own[kept]])
         n_copies = output.GetNumberOfPoints() - len(kept)
         ranks_tree.add_node_arrays(output, source.GetPointData(), own[kept], {}, n_copies)
-        output.GetFieldData().PassData(source.GetFieldData())
+        pass_facts(source, output)
         add_facts(output, {"FlatRemoved": forest.n_nodes - kept_forest.n_nodes})
 
     def _contract(self, source, output):

@@ -12,6 +12,7 @@ from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessControlle
 from tetraskel.distributed.communicator import Route
 from tetraskel.errors import EngineError, InputError
 from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, points_of, to_cells, to_points
+from tetraskel.vtkfilters.found import whole_input
 
 GHOSTS = "vtkGhostType"
 POINT_IDS, CELL_IDS = "GlobalPointIds", "GlobalCellIds"
@@ -26,8 +27,7 @@ def communicator_for(algorithm):
     controller = vtkMultiProcessController.GetGlobalController()
     if controller is None or controller.GetNumberOfProcesses() < 2:
         return None
-    connection = algorithm.GetInputConnection(0, 0)
-    given = connection.GetProducer().GetOutputDataObject(connection.GetIndex()) if connection else None
+    given = whole_input(algorithm)
     if given is not None and given.IsA("vtkCompositeDataSet"):
         return None
     try:

@@ -11,8 +11,18 @@ from tetraskel.distributed.numbering import owners_of
 from tetraskel.distributed.parts import MeshPart, part_of_mesh
 from tetraskel.errors import InputError
 from tetraskel.kernels.adjacency import triangulation_of
+from tetraskel.kernels.node_arrays import forest_arrays
 from tetraskel.vtkfilters import ranks
-from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, points_of, simplices_of, to_cells, to_points
+from tetraskel.vtkfilters.convert import (
+    add_arrays,
+    add_facts,
+    array_of,
+    copy_rows,
+    points_of,
+    simplices_of,
+    to_cells,
+    to_points,
+)
 
 NEEDED = ("NodeId", "ParentId", "Depth", "SonRank", "SonCount", "SubtreeSize", "TreeId")
 
@@ -51,22 +61,8 @@ def part_of_data(comm, data) -> tuple[MeshPart, np.ndarray]:
     return part_of_mesh(comm, mesh, ids[used] if len(used) else np.empty(0, np.int64), named), own
 
 
-def forest_part_arrays(forest: ForestPart) -> dict[str, np.ndarray]:
-    """The point arrays that describe one rank's nodes; see `forest_arrays`."""
-    return {
-        "NodeId": forest.number.astype(np.int64),
-        "ParentId": forest.parent.astype(np.int64),
-        "Depth": forest.depth.astype(np.int32),
-        "SonRank": forest.son_rank.astype(np.int32),
-        "SonCount": forest.son_count.astype(np.int32),
-        "SubtreeSize": forest.subtree_size.astype(np.int32),
-        "TreeId": forest.tree_id.astype(np.int32),
-        "IsLeaf": forest.son_count == 0,
-    }
-
-
-def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-    """Nodes and lines from parent to son; parents on other ranks are copies at the end, marked as such."""
+def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray) -> None:
+    """Nodes, lines from parent to son, and the forest's arrays; parents on other ranks are copies at the end."""
     away = np.flatnonzero((forest.parent_rank >= 0) & (forest.parent_rank != comm.rank))
     route = Route(comm, forest.parent_rank[away])
     rows = route.forward(forest.parent_at[away])
@@ -79,8 +75,12 @@ def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray, arrays: 
     alone = np.flatnonzero((forest.parent_rank < 0) & (forest.son_count == 0))
     if len(alone):
         output.SetVerts(to_cells(alone[:, None]))
+    arrays = forest_arrays(forest)
     whole = {name: np.concatenate([values, route.back(values[rows])[first]]) for name, values in arrays.items()}
     add_arrays(output.GetPointData(), whole)
+    output.GetPointData().SetActiveScalars("Depth")
+    counts = [comm.total(int(of_kind.sum())) for of_kind in (forest.parent < 0, forest.son_count == 0)]
+    add_facts(output, {"Traversal": "breadth", "Trees": counts[0], "Leaves": counts[1]})
     ranks.set_global_ids(output.GetPointData(), whole["NodeId"], ranks.POINT_IDS)
     is_copy = np.arange(len(forest) + len(copies)) >= len(forest)
     ranks.mark_copies(output.GetPointData(), is_copy, vtkDataSetAttributes.DUPLICATEPOINT)

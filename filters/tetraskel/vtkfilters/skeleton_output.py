@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tetraskel.distributed.skeleton import lines_of, skeleton_part
+from tetraskel.distributed.skeleton import Lines, lines_of, skeleton_part
+from tetraskel.kernels.node_arrays import skeleton_arrays
 from tetraskel.kernels.skeleton import skeleton_of
 from tetraskel.options import SkeletonOptions
 from tetraskel.vtkfilters import ranks, ranks_tree
@@ -37,20 +38,14 @@ class SkeletonOutput(SkeletonFilter):
         source, output = inputs[0], outputs[0]
         forest, _ = forest_of(source)
         skeleton = skeleton_of(forest, points_of(source), keep_leaves=self.keep_leaves)
-        output.SetPoints(to_points(skeleton.points))
-        output.SetLines(to_cells(skeleton.branch_nodes, skeleton.branch_offsets))
-        alone = np.flatnonzero(skeleton.degree == 0)
-        if len(alone):
-            output.SetVerts(to_cells(alone[:, None]))
+        lines = Lines(
+            skeleton.points, np.empty(0, np.int64), skeleton.branch_offsets, skeleton.branch_nodes,
+            np.arange(len(skeleton.branch_lengths)), skeleton.branch_lengths,
+        )  # fmt: skip
+        _draw(output, lines, np.flatnonzero(skeleton.degree == 0))
         copy_node_arrays(source, output, skeleton.node)
         output.GetPointData().SetActiveScalars("Depth")
-        arrays = {
-            "NodeDegree": skeleton.degree.astype(np.int32),
-            "NodeType": skeleton.node_type.astype(np.uint8),
-            "BranchId": skeleton.branch_id.astype(np.int32),
-        }
-        add_arrays(output.GetPointData(), arrays)
-        add_arrays(output.GetCellData(), _branch_arrays(skeleton, len(alone)))
+        add_arrays(output.GetPointData(), skeleton_arrays(skeleton))
 
     def execute_on_ranks(self, comm, inputs, outputs):
         """Draw the skeleton of the tree of all ranks; each rank draws its nodes and the lines that lead to them."""
@@ -62,29 +57,21 @@ class SkeletonOutput(SkeletonFilter):
         skeleton = skeleton_part(comm, forest, keep_leaves=self.keep_leaves)
         rows = own[skeleton.node]
         lines = lines_of(comm, skeleton, points_of(source)[rows])
-        output.SetPoints(to_points(lines.points))
-        output.SetLines(to_cells(lines.nodes, lines.offsets))
-        alone = np.flatnonzero(skeleton.degree == 0)
-        if len(alone):
-            output.SetVerts(to_cells(alone[:, None]))
-        arrays = {
-            "NodeDegree": skeleton.degree.astype(np.int32),
-            "NodeType": skeleton.node_type.astype(np.uint8),
-            "BranchId": skeleton.branch_id.astype(np.int32),
-        }
+        _draw(output, lines, np.flatnonzero(skeleton.degree == 0))
+        arrays = skeleton_arrays(skeleton)
         ranks_tree.add_node_arrays(output, source.GetPointData(), rows, arrays, len(lines.ghosts))
+        output.GetPointData().SetActiveScalars("Depth")
         ids = np.concatenate([skeleton.index, lines.ghosts])
         ranks.set_global_ids(output.GetPointData(), ids, ranks.POINT_IDS)
-        add_arrays(output.GetCellData(), _cell_arrays(lines.branch_id, lines.lengths, len(alone)))
         output.GetFieldData().PassData(source.GetFieldData())
 
 
-def _branch_arrays(skeleton, n_alone):
-    """Cell arrays: VTK puts the vertices of nodes that stand alone before the lines."""
-    return _cell_arrays(np.arange(len(skeleton.branch_lengths)), skeleton.branch_lengths, n_alone)
-
-
-def _cell_arrays(branch_id, lengths, n_alone):
-    lengths = np.concatenate([np.zeros(n_alone), lengths])
-    ids = np.concatenate([np.full(n_alone, -1), branch_id])
-    return {"BranchId": ids.astype(np.int32), "Length": lengths}
+def _draw(output, lines, alone):
+    """Points, branches with their arrays, and a vertex for each node that stands alone: VTK puts these first."""
+    output.SetPoints(to_points(lines.points))
+    output.SetLines(to_cells(lines.nodes, lines.offsets))
+    if len(alone):
+        output.SetVerts(to_cells(alone[:, None]))
+    ids = np.concatenate([np.full(len(alone), -1), lines.branch_id])
+    lengths = np.concatenate([np.zeros(len(alone)), lines.lengths])
+    add_arrays(output.GetCellData(), {"BranchId": ids.astype(np.int32), "Length": lengths})

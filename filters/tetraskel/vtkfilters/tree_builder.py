@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from tetraskel.distributed.tree import build_tree_part
-from tetraskel.kernels.centres import centres, circumballs
-from tetraskel.kernels.quality import qualities
-from tetraskel.kernels.tree import Tree, build_tree
+from tetraskel.distributed.tree import build_tree_part, simplex_arrays_of_part
+from tetraskel.kernels.centres import centres
+from tetraskel.kernels.node_arrays import simplex_arrays
+from tetraskel.kernels.tree import build_tree
 from tetraskel.options import TreeOptions
 from tetraskel.vtkfilters import ranks_tree
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, add_facts, array_of, copy_rows, mesh_of, pass_facts
+from tetraskel.vtkfilters.convert import add_arrays, array_of, copy_rows, mesh_of, pass_facts
 from tetraskel.vtkfilters.treedata import fill_tree
 
 
@@ -45,7 +43,7 @@ class TreeBuilder(SkeletonFilter):
         positions = centres(mesh, self.centre, self.tick("Placing the nodes", 0.6, 0.7))
         fill_tree(output, positions[tree.cell], tree.forest, tree.traversal)
         copy_rows(source.GetCellData(), output.GetPointData(), tree.cell, tuple(_own_arrays(output)))
-        add_arrays(output.GetPointData(), self._node_arrays(tree))
+        add_arrays(output.GetPointData(), simplex_arrays(tree, self.tick("Measuring the cells", 0.7, 1.0)))
         pass_facts(source, output)
         original = array_of(source.GetPointData(), "OriginalPointIds")
         if original is not None:
@@ -60,34 +58,12 @@ class TreeBuilder(SkeletonFilter):
         part, own = ranks_tree.part_of_data(comm, source)
         tree = build_tree_part(comm, part, self.tick("Building the tree", 0.2, 0.6))
         positions = centres(part.mesh, self.centre, self.tick("Placing the nodes", 0.6, 0.7))[tree.cell]
-        arrays = ranks_tree.forest_part_arrays(tree.forest)
-        ranks_tree.fill_nodes(comm, output, tree.forest, positions, arrays)
+        ranks_tree.fill_nodes(comm, output, tree.forest, positions)
         rows = own[tree.cell]
         n_copies = output.GetNumberOfPoints() - len(rows)
-        described = self._part_arrays(tree)
+        described = simplex_arrays_of_part(tree, self.tick("Measuring the cells", 0.7, 1.0))
         ranks_tree.add_node_arrays(output, source.GetCellData(), rows, described, n_copies)
-        output.GetFieldData().PassData(source.GetFieldData())
-        add_facts(output, {"Traversal": "breadth"})
-
-    def _part_arrays(self, tree):
-        """Arrays of one rank's nodes, with the ids that cells and points have among all ranks."""
-        mesh, ids = tree.part.mesh, tree.part.point_ids
-        walked = Tree(tree.forest, tree.cell, tree.entry, mesh, "breadth")
-        arrays = self._node_arrays(walked)
-        named = {"CellId": tree.part.cell_ids[tree.cell], "ApexId": ids[walked.apex]}
-        return {**arrays, **named, "EntryFacet": ids[walked.entry_facet]}
-
-    def _node_arrays(self, tree):
-        quality = qualities(tree.mesh, self.tick("Measuring the cells", 0.7, 0.8))
-        radius, contains = circumballs(tree.mesh, self.tick("Measuring the cells", 0.8, 1.0))
-        return {
-            "CellId": tree.cell.astype(np.int64),
-            "ApexId": tree.apex.astype(np.int64),
-            "EntryFacet": tree.entry_facet.astype(np.int64),
-            "Quality": quality[tree.cell],
-            "Radius": radius[tree.cell],
-            "ContainsCircumcentre": contains[tree.cell],
-        }
+        pass_facts(source, output)
 
 
 def _own_arrays(output):

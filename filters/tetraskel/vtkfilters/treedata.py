@@ -7,6 +7,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.forest import Forest, complete_forest
+from tetraskel.kernels.node_arrays import forest_arrays
 from tetraskel.vtkfilters.convert import (
     add_arrays,
     add_facts,
@@ -19,20 +20,6 @@ from tetraskel.vtkfilters.convert import (
 )
 
 NEEDED = ("NodeId", "ParentId", "Depth", "TreeId")
-
-
-def forest_arrays(forest: Forest) -> dict[str, np.ndarray]:
-    """The point arrays that describe a forest; ids are vtkIdType, the rest 32-bit or bytes."""
-    return {
-        "NodeId": np.arange(len(forest), dtype=np.int64),
-        "ParentId": forest.parent.astype(np.int64),
-        "Depth": forest.depth.astype(np.int32),
-        "SonRank": forest.son_rank.astype(np.int32),
-        "SonCount": forest.son_count.astype(np.int32),
-        "SubtreeSize": forest.subtree_size.astype(np.int32),
-        "TreeId": forest.tree_id.astype(np.int32),
-        "IsLeaf": forest.is_leaf,
-    }
 
 
 def fill_tree(output: vtkPolyData, positions: np.ndarray, forest: Forest, traversal: str) -> None:

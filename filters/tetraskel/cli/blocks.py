@@ -1,0 +1,94 @@
+"""`tetraskel skeleton --blocks`: points larger than memory, one block after another."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from tetraskel.cli.arguments import values
+from tetraskel.cli.chain import prepared, summary_of, tell_counts
+from tetraskel.cli.drawings import draw_all
+from tetraskel.cli.files import read, replace_file
+from tetraskel.distributed.blockwise import POINTS_PER_BLOCK, BlockOptions, blocks_for, skeleton_in_blocks
+from tetraskel.errors import InputError
+from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
+
+AS_MANY_AS_NEEDED = 0
+TRIANGULATION_BYTES = 700  # for each point (docs/speed.md); the curve skeleton takes these and more
+HELP = (
+    f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
+    "beside OUT instead of memory; the same result, slower"
+)
+
+
+def add_blocks(parser: argparse.ArgumentParser) -> None:
+    """--blocks [N]."""
+    parser.add_argument("--blocks", metavar="N", nargs="?", type=int, const=AS_MANY_AS_NEEDED, help=HELP)
+
+
+def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
+    """Make and write the tree's skeleton, block after block; drawings and tables, if asked for, read it whole.
+
+    Raises
+    ------
+    InputError
+        For what needs all points in memory at once.
+    """
+    from tetraskel.cli.pieces import mapped_points
+    from tetraskel.cli.vtp_stream import write_vtp
+    from tetraskel.vtkfilters.progress import ProgressLine
+
+    _expect_possible(chosen)
+    prepared(chosen)
+    folder = Path(chosen.output).resolve().parent
+    points = mapped_points(chosen.input, folder, points_only=chosen.points_only)
+    n_blocks = chosen.blocks or blocks_for(len(points))
+    options = BlockOptions(**{k: v for one in STAGES for k, v in values(chosen, one).items() if k != "traversal"})
+    with ProgressLine() as line:
+        whole = skeleton_in_blocks(points, folder, n_blocks, options, lambda share: line.show("Block by block", share))
+    facts = {**whole.facts, "OriginalPointIds": whole.original_ids}
+    removed = facts.pop("FlatRemoved")
+    replace_file(Path(chosen.output), lambda part: write_vtp(part, whole, {**facts, "FlatRemoved": removed}))
+    counts = {
+        "input_points": len(points),
+        "points": len(whole.points),
+        "lines": len(whole.lengths),
+        "faces": 0,
+    }
+    singles = {
+        name: value for name, value in whole.facts.items() if not isinstance(value, float) or math.isfinite(value)
+    }
+    if extras or chosen.png or chosen.html:
+        skeleton = read(chosen.output)
+        for write in extras.values():
+            write(skeleton)
+        draw_all(chosen, read(chosen.input), skeleton)
+    tell_counts(chosen, counts, singles, summary_of(chosen, counts, int(whole.facts["DuplicatesMerged"])))
+
+
+STAGES = (TreeOptions, FlatOptions, SkeletonOptions)
+
+
+def _expect_possible(chosen: argparse.Namespace) -> None:
+    """Raise `InputError` for a call whose work cannot be done in blocks."""
+    if chosen.method != "tree":
+        raise InputError(
+            "expected --method tree with --blocks, got the curve skeleton: it needs the whole cloud in memory, over "
+            f"{TRIANGULATION_BYTES} bytes for each point; use --method tree --blocks, or leave out --blocks."
+        )
+    if chosen.blocks < 0:
+        raise InputError(f"expected --blocks with the number of blocks, got {chosen.blocks}; leave the number out.")
+    if Path(chosen.output).suffix.lower() != ".vtp":
+        raise InputError(f"expected an output file ending in .vtp with --blocks, got {chosen.output!r}.")
+    unlike = {
+        "--inside": (chosen.inside, "all"),
+        "--traversal": (chosen.traversal, "breadth"),
+        "--joggle": (chosen.joggle, DelaunayOptions.joggle),
+        "--denoise": (chosen.denoise, False),
+    }
+    for flag, (value, needed) in unlike.items():
+        if value != needed:
+            raise InputError(f"expected {flag} {needed} with --blocks, got {value}: that needs all points at once.")
+    if chosen.engine not in ("auto", "exact"):
+        raise InputError(f"expected --engine exact with --blocks, got {chosen.engine}: others cannot work in blocks.")

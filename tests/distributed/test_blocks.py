@@ -1,0 +1,285 @@
+"""The tree's skeleton block after block: the serial one, array for array, in less memory, and no file left behind."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from paths import ENVIRONMENT
+from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
+from tetraskel.distributed import in_turn
+from tetraskel.distributed.blockwise import POINTS_PER_BLOCK, BlockOptions, blocks_for, skeleton_in_blocks
+from tetraskel.distributed.communicator import Route
+from tetraskel.distributed.in_turn import run_in_turn
+from tetraskel.distributed.shelf import SMALL, Shelf
+from tetraskel.errors import Aborted, InputError, RankError
+from tetraskel.kernels.compilation import numba_is_used
+from tetraskel.kernels.node_arrays import forest_arrays, simplex_arrays, skeleton_arrays
+
+needs_numba = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
+
+
+def uniform(rng):
+    return rng.random((400, 3))
+
+
+def clustered(rng):
+    return rng.random((5, 3))[rng.integers(0, 5, 400)] + rng.normal(size=(400, 3)) * 0.02
+
+
+def lattice(rng):
+    return rng.permutation(np.stack(np.meshgrid(*[np.arange(6.0)] * 3), -1).reshape(-1, 3))
+
+
+def sphere(rng):
+    ways = rng.normal(size=(150, 3))
+    return ways / np.linalg.norm(ways, axis=1, keepdims=True)
+
+
+def float_scan(rng):
+    return rng.random((300, 3)).astype(np.float32)
+
+
+@needs_numba
+@pytest.mark.parametrize("n_blocks", [1, 2, 5, 8])
+@pytest.mark.parametrize("cloud", [uniform, clustered, lattice, sphere, float_scan], ids=lambda cloud: cloud.__name__)
+def test_blocks_give_the_serial_skeleton(tmp_path, cloud, n_blocks):
+    points = cloud(np.random.default_rng(n_blocks))
+    points = np.concatenate([points, points[:10]])
+    options = BlockOptions(threshold=0.2, centre="incentre", keep_leaves=n_blocks == 2)
+    found = skeleton_in_blocks(points, tmp_path, n_blocks, options)
+    mesh = triangulate(points, engine="exact")
+    tree = build_tree(mesh)
+    kept = remove_flat(tree, threshold=0.2)
+    skeleton = assemble_skeleton(kept, centre="incentre", keep_leaves=n_blocks == 2)
+    assert np.array_equal(found.points, skeleton.points)
+    assert np.array_equal(found.offsets, skeleton.branch_offsets)
+    assert np.array_equal(found.path, skeleton.branch_nodes)
+    assert np.array_equal(found.lengths, skeleton.branch_lengths)
+    assert np.array_equal(found.original_ids, mesh.original_ids)
+    of_tree = {**forest_arrays(kept.forest), **simplex_arrays(kept)}
+    expected = {name: values[skeleton.node] for name, values in of_tree.items()} | skeleton_arrays(skeleton)
+    assert list(found.nodes) == list(expected)
+    for name, values in expected.items():
+        assert np.array_equal(found.nodes[name], values), name
+        assert found.nodes[name].dtype == values.dtype, name
+    assert found.facts["FlatRemoved"] == len(tree) - len(kept)
+    assert found.facts["DuplicatesMerged"] == 10
+    assert found.facts["Leaves"] == int(kept.is_leaf.sum())
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_numba
+def test_one_tetrahedron_is_one_node_that_stands_alone(tmp_path):
+    found = skeleton_in_blocks(np.concatenate([np.zeros((1, 3)), np.eye(3)]), tmp_path, 3)
+    assert np.allclose(found.points, [[0.25, 0.25, 0.25]])
+    assert np.array_equal(found.alone, [0])
+    assert (len(found.lengths), len(found.path)) == (0, 0)
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (np.random.default_rng(0).random((50, 2)), "leave out the blocks"),
+        (np.random.default_rng(0).random((50, 3)) * [1, 1, 0], "points of one plane"),
+        (np.arange(12.0)[:, None] * np.ones(3), "one line"),
+        (np.ones((5, 3)), "at least 3 distinct points"),
+        (np.full((60, 3), np.nan), "with NaN"),
+    ],
+    ids=["flat table", "plane", "line", "one point", "nan"],
+)
+def test_what_cannot_be_cut_into_blocks_is_said(tmp_path, points, message):
+    with pytest.raises(InputError, match=message):
+        skeleton_in_blocks(points, tmp_path, 3)
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_numba
+def test_nothing_but_flat_simplices_is_said(tmp_path):
+    with pytest.raises(InputError, match="got none among"):
+        skeleton_in_blocks(np.random.default_rng(0).random((40, 3)), tmp_path, 2, BlockOptions(threshold=1.0))
+
+
+@needs_numba
+def test_who_asks_to_stop_stops_and_nothing_stays(tmp_path):
+    before = threading.active_count()
+
+    def tick(share):
+        if share > 0.1:
+            raise Aborted("stopped on request.")
+
+    with pytest.raises(Aborted, match=r"^stopped on request"):
+        skeleton_in_blocks(np.random.default_rng(0).random((500, 3)), tmp_path, 4, tick=tick)
+    assert list(tmp_path.iterdir()) == []
+    assert threading.active_count() == before
+
+
+def test_an_interrupt_ends_all_blocks(tmp_path, monkeypatch):
+    """Ctrl-C comes to the thread that waits for the blocks."""
+    waits = iter([KeyboardInterrupt()])
+    wait_for = in_turn.joined.__globals__["_wait_for"]
+
+    def interrupted(threads):
+        for error in waits:
+            time.sleep(0.05)
+            raise error
+        wait_for(threads)
+
+    monkeypatch.setitem(in_turn.joined.__globals__, "_wait_for", interrupted)
+
+    def endless(comm):
+        while True:
+            comm.total(1)
+
+    before = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        run_in_turn(3, endless, tmp_path)
+    assert threading.active_count() == before
+
+
+def test_a_failure_in_one_block_is_the_failure_of_all(tmp_path):
+    heard = []
+
+    def work(comm):
+        try:
+            for turn in range(4):
+                if (turn, comm.rank) == (2, 1):
+                    raise InputError("expected sense, got none.")
+                comm.total(turn)
+        except Exception as error:
+            heard.append(str(error))
+            raise
+
+    with pytest.raises(InputError, match="expected sense"):
+        run_in_turn(3, work, tmp_path)
+    assert sorted(heard) == ["expected sense, got none."] + ["rank 1: expected sense, got none."] * 2
+
+
+def test_a_block_that_ends_without_a_word_is_missed(tmp_path, monkeypatch):
+    def work(comm):
+        if comm.rank == 1:
+            monkeypatch.setattr(comm, "fail", lambda error: None)
+            raise InputError("expected sense, got none.")
+        comm.total(1)
+
+    with pytest.raises(InputError, match="expected sense"):
+        run_in_turn(3, work, tmp_path)
+
+    def others(comm):
+        if comm.rank == 1:
+            comm.fail = lambda error: None
+            raise InputError("rank 9: last of all")
+        comm.total(1)
+
+    with pytest.raises(RankError, match="ended without a word"):
+        run_in_turn(2, others, tmp_path)
+
+
+def test_only_one_block_works_at_a_time(tmp_path):
+    busy = []
+
+    def work(comm):
+        for _ in range(5):
+            busy.append(comm.rank)
+            time.sleep(0.001)
+            assert busy[-1] == comm.rank
+            comm.total(1)
+
+    run_in_turn(4, work, tmp_path)
+    assert busy == [0, 1, 2, 3] * 5
+
+
+def test_large_messages_arrive_and_cannot_be_changed_by_who_sent_them(tmp_path):
+    n = SMALL  # numbers of eight bytes
+
+    def work(comm):
+        rows = np.full(n, comm.rank)
+        route = Route(comm, np.arange(n) % comm.size)
+        received = route.forward(rows)
+        small = np.full(1, comm.rank)
+        everybody = comm.allgather(small)
+        rows[:] = small[:] = -1
+        return route.back(received * 10), np.concatenate(everybody)
+
+    for rank, (rows, everybody) in enumerate(run_in_turn(3, work, tmp_path)):
+        assert (rows == rank * 10).all()
+        assert np.array_equal(everybody, [0, 1, 2])
+
+
+def test_arrays_on_a_shelf_are_the_same_and_can_be_written_to(tmp_path):
+    shelf = Shelf(tmp_path)
+    rng = np.random.default_rng(0)
+    given = [rng.random((SMALL, 3)), rng.integers(0, 9, 5).astype(np.int8), np.empty((0, 4)), rng.random(7) > 0.5]
+    kept = shelf.put(*given)
+    shelf.leave()
+    for array, original in zip(kept, given, strict=True):
+        assert array.dtype == original.dtype
+        assert np.array_equal(array, original)
+    kept[0][5] = 7.0
+    shelf.leave()
+    assert (kept[0][5] == 7.0).all()
+    zeros, none = shelf.room(((SMALL, 2), np.int32), ((0,), np.float64))
+    assert (zeros == 0).all()
+    assert (zeros.shape, none.shape) == ((SMALL, 2), (0,))
+    assert list(tmp_path.iterdir()) == []  # the files have no names
+
+
+def test_a_full_disk_is_said(tmp_path):
+    resource = pytest.importorskip("resource")
+    script = (
+        "import resource, signal, numpy as np; from pathlib import Path\n"
+        "from tetraskel.distributed.shelf import Shelf\n"
+        "from tetraskel.errors import InputError\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))\n"
+        f"shelf = Shelf(Path({str(tmp_path)!r}))\n"
+        "for fill in (lambda: shelf.put(np.ones(100000)), lambda: shelf.room(((100000,), float))):\n"
+        "    try: fill()\n"
+        "    except InputError as error: print(error)\n"
+    )
+    assert resource
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.stdout.count("expected room for the blocks") == 2
+    assert done.stdout.count("free some space there") == 2
+
+
+def test_the_number_of_blocks_grows_with_the_points():
+    assert [blocks_for(n) for n in (0, 1, POINTS_PER_BLOCK, POINTS_PER_BLOCK + 1)] == [1, 1, 1, 2]
+
+
+MEMORY = """
+import resource, sys
+import numpy as np
+from pathlib import Path
+from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
+from tetraskel.distributed.blockwise import skeleton_in_blocks
+cloud = np.load(sys.argv[1], mmap_mode="r")
+few, folder = np.random.default_rng(1).random((500, 3)), Path(sys.argv[2])
+peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+skeleton_in_blocks(few, folder, 2)  # loads what is compiled
+assemble_skeleton(remove_flat(build_tree(triangulate(few, engine="exact"))))
+before = peak()
+if sys.argv[3] == "serial":
+    assemble_skeleton(remove_flat(build_tree(triangulate(cloud, engine="exact"))))
+else:
+    skeleton_in_blocks(cloud, folder, int(sys.argv[3]))
+print(peak() - before)
+"""
+
+
+@needs_numba
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is measured as Linux counts it")
+def test_blocks_take_much_less_memory(tmp_path):
+    """What a process comes to hold beyond what it holds after a small cloud."""
+    np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((30_000, 3)))
+
+    def peak(how):
+        call = [sys.executable, "-c", MEMORY, str(tmp_path / "cloud.npy"), str(tmp_path), how]
+        return int(subprocess.run(call, capture_output=True, text=True, check=True, env=ENVIRONMENT).stdout)
+
+    assert peak("5") < 0.6 * peak("serial")
