@@ -3,6 +3,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
+# modules are compiled when they are first imported, and most never are
+QUIETLY := --quiet --disable-pip-version-check --no-compile
 # the oldest of what pyproject.toml allows that this Python can have
 OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
 
@@ -15,9 +17,9 @@ demo: $(READY)
 	$(BIN)/tetraskel skeleton sample_data/y_tube.vtp $(OUT)/skeleton.vtp --png $(OUT)/skeleton.png
 	@echo "The skeleton is in $(OUT)/skeleton.vtp, its picture in $(OUT)/skeleton.png"
 
-# file by file on two cores; each file once in one process, for what its tests share
+# file by file, for what its tests share, on two cores and a third process beside those that wait for programs
 test: $(READY) .pvpython-packages
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder
 
 # the filters on the oldest VTK, without what takes long and has little to do with VTK's version (the marker `slow`)
 test-oldest: .venv-oldest/ready
@@ -56,29 +58,29 @@ compare: $(READY) .venv-peers/ready
 
 .venv-peers/ready: benchmarks/peers/requirements.txt
 	$(PYTHON) -m venv .venv-peers
-	-while read one; do .venv-peers/bin/python -m pip install --quiet --disable-pip-version-check "$$one"; done < $<
+	-while read one; do .venv-peers/bin/python -m pip install $(QUIETLY) "$$one"; done < $<
 	touch $@
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	$(BIN)/python -m pip install $(QUIETLY) \
 	    --config-settings editable_mode=compat --editable '.[dev]'
 	touch $(READY)
 
 .venv/docs-ready: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	$(BIN)/python -m pip install $(QUIETLY) \
 	    --config-settings editable_mode=compat --editable '.[docs]'
 	touch $@
 
 .venv-oldest/ready: pyproject.toml Makefile
 	$(PYTHON) -m venv .venv-oldest
-	.venv-oldest/bin/python -m pip install --quiet --disable-pip-version-check $(OLDEST) pytest hypothesis
+	.venv-oldest/bin/python -m pip install $(QUIETLY) $(OLDEST) pytest hypothesis
 	touch $@
 
 # pytest for ParaView's own Python: pure Python, and kept apart so that no second VTK comes with it
 .pvpython-packages: $(READY)
 	if command -v pvpython >/dev/null; then \
-	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --target $@ pytest hypothesis; \
+	    $(BIN)/python -m pip install $(QUIETLY) --upgrade --target $@ pytest hypothesis; \
 	fi
 
 # one zip that a user unpacks anywhere and loads in ParaView
@@ -88,7 +90,7 @@ plugin:
 # numba for a ParaView whose Python has the version of $(PYTHON): beside the plugin, which looks for it there; without
 # dependencies, because ParaView brings its own NumPy (the versions are those for NumPy 1.24 and later)
 paraview-numba: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade --no-deps \
+	$(BIN)/python -m pip install $(QUIETLY) --upgrade --no-deps \
 	    --target plugin/numba_packages 'numba==0.61.2' 'llvmlite==0.44.0'
 
 clean:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -12,20 +16,35 @@ from tubes import TUBES
 
 def pytest_sessionstart(session):
     """Compile once, before the workers of pytest-xdist start: they and the programs of tests load what is on disk."""
-    if not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
-        compile_all()
+    if not hasattr(session.config, "workerinput") and not session.config.option.collectonly and numba_is_used():
+        call = [sys.executable, "-c", "import conftest; conftest.compile_plane()"]
+        beside = subprocess.Popen(call, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+        compile_space()
+        beside.wait()
+        compile_plane()  # what one of the two forgot when both wrote to the same list
+        compile_space()
+
+
+def pytest_collection_modifyitems(items):
+    """First what waits for programs, while other workers have something to do."""
+    items.sort(key=lambda item: "paraview" not in item.path.parts)
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
     """Load what is compiled before the tests: no test is timed with it."""
-    compile_all()
-
-
-def compile_all():
-    """Everything numba compiles for the functions, in the plane and in space; programs then say nothing about it."""
     if numba_is_used():
-        build_tree(triangulate(np.random.default_rng(0).random((20, 2))))
-        points = TUBES["torus"]().sample(2000)
-        build_tree(triangulate(points))
-        curve_skeleton(points)
+        compile_plane()
+        compile_space()
+
+
+def compile_plane():
+    """What numba compiles for triangles; programs then say nothing about it."""
+    build_tree(triangulate(np.random.default_rng(0).random((20, 2))))
+
+
+def compile_space():
+    """The same for tetrahedra, from points to curve skeleton."""
+    points = TUBES["torus"]().sample(2000)
+    build_tree(triangulate(points))
+    curve_skeleton(points)

@@ -20,7 +20,7 @@ import tetraskel
 from paths import ENVIRONMENT, PLUGIN, ROOT, SAMPLES
 from programs import finished, program
 from tetraskel import options, vtkfilters
-from tetraskel.cli import main
+from tetraskel.cli import comparison_pictures, main, picture
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "sample_data" / "README.md", *sorted(DOCS.rglob("*.md"))]
@@ -66,7 +66,9 @@ def test_every_block_is_run_or_says_why_not():
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """An empty folder with the sample data, the plugin and the command in their places."""
+    """An empty folder with the sample data, the plugin and the command in their places; pictures are small."""
+    for module in (picture, comparison_pictures):
+        monkeypatch.setattr(module, "SIZE", (400, 300))
     (tmp_path / "sample_data").symlink_to(SAMPLES)
     (tmp_path / "plugin").symlink_to(PLUGIN.parent)
     commands = tmp_path / ".venv" / "bin"
@@ -191,9 +193,9 @@ def test_links_and_pictures_are_there(page):
 
 def test_pictures_are_small_and_all_are_used():
     used = "".join(page.read_text(encoding="utf-8") for page in PAGES)
-    for picture in (DOCS / "pictures").iterdir():
-        assert picture.name in used, picture
-        assert picture.stat().st_size < 200_000, picture
+    for drawn in (DOCS / "pictures").iterdir():
+        assert drawn.name in used, drawn
+        assert drawn.stat().st_size < 200_000, drawn
         assert pyvista.read(picture).dimensions[0] <= 2100
 
 

@@ -19,7 +19,7 @@ FUNCTIONS = {
     "curve_skeleton": "points_or_mesh, *, detail, loop_spacings, denoise, inside, root, tick",
     "decode_tree": "tree",
     "denoised": "points, tick",
-    "draw_curve": "model, *, detail, root",
+    "draw_curve": "model, *, detail, root, tick",
     "gate_arrays": "tree, neighbors",
     "gate_tree": "mesh, *, tick",
     "inside_by_outline": "mesh, points, segments, *, tick",

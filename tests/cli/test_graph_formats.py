@@ -131,7 +131,7 @@ def test_the_paper_s_skeleton_is_a_method(tmp_path):
 
 
 def test_measure_prints_a_table_and_json(tmp_path, capsys):
-    torus = pyvista.ParametricTorus(ringradius=1, crosssectionradius=0.35).triangulate()
+    torus = pyvista.ParametricTorus(ringradius=1, crosssectionradius=0.35, u_res=40, v_res=30).triangulate()
     torus.save(tmp_path / "torus.ply")
     skeleton = written("torus", tmp_path / "s.vtp")
     capsys.readouterr()

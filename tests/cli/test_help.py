@@ -13,6 +13,7 @@ import sys
 import types
 from pathlib import Path
 
+import numpy as np
 import pytest
 import pyvista
 
@@ -65,6 +66,7 @@ def folder_of_a_user(place):
     for name in ("scan.ply", "scans/one.ply", "scans/two.ply"):
         scan.save(place / name)
     shutil.copy(SAMPLES / "cloud20.csv", place / "cloud.csv")
+    np.save(place / "big.npy", points[::4])
     mask = pyvista.ImageData(dimensions=(12, 12, 12))
     mask["mask"] = (abs(mask.points - 5.5).max(axis=1) < 4).astype("uint8")
     mask.save(place / "mask.vti")

@@ -18,7 +18,7 @@ def run(capsys, *arguments):
 
 
 @pytest.mark.parametrize("method", ["sk1", "sk2", "sk3", "sk4"])
-@pytest.mark.parametrize("sample", ["rectangle8.csv", "torus.vtp"])
+@pytest.mark.parametrize("sample", ["rectangle8.csv", "bent_tube.vtp"])
 def test_it_is_the_function(tmp_path, capsys, method, sample):
     flat = sample.endswith(".csv")
     options = ["--inside", "all"] if flat else []

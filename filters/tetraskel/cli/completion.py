@@ -106,8 +106,9 @@ def _zsh_option(flag: str, action: argparse.Action) -> str:
     if action.choices:
         what = f":value:({' '.join(action.choices)})"
     elif action.nargs != 0:
-        files = action.metavar == "FILE"
-        what = f":{(action.metavar or 'value').lower()}:{'_files' if files else ''}" * (action.nargs or 1)
+        optional, files = action.nargs == "?", action.metavar == "FILE"
+        what = f":{(action.metavar or 'value').lower()}:{'_files' if files else ''}"
+        what = f":{what}" if optional else what * int(action.nargs or 1)
     return _quoted(f"{flag}[{meaning}]{what}")
 
 
@@ -129,7 +130,7 @@ def fish() -> str:
 def _fish_value(action: argparse.Action) -> str:
     if action.choices:
         return f" -x -a '{' '.join(action.choices)}'"
-    if action.nargs == 0:
+    if action.nargs in (0, "?"):
         return ""
     return " -r -F" if action.metavar == "FILE" else " -x"
 
