@@ -17,9 +17,9 @@ demo: $(READY)
 	$(BIN)/tetraskel skeleton sample_data/y_tube.vtp $(OUT)/skeleton.vtp --png $(OUT)/skeleton.png
 	@echo "The skeleton is in $(OUT)/skeleton.vtp, its picture in $(OUT)/skeleton.png"
 
-# file by file, for what its tests share, on two cores and a third process beside those that wait for programs
+# file by file on two cores; each file in one process, for what its tests share
 test: $(READY) .pvpython-packages
-	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # the filters on the oldest VTK, without what takes long and has little to do with VTK's version (the marker `slow`)
 test-oldest: .venv-oldest/ready

@@ -13,7 +13,7 @@ from tetraskel.kernels.compilation import SWITCH
 
 REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"
 SECONDS = 300
-SCREEN = ("-a", "-n", str(100 + os.getpid() % 800))  # from where xvfb-run looks for a free screen
+SCREEN = ("-a", "-n", str(100 + os.getpid() * 37 % 800))  # where xvfb-run begins to look, far from other processes
 # what numba compiles for ParaView's own Python
 KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" / "numba-cache"))
 

@@ -196,7 +196,7 @@ def test_pictures_are_small_and_all_are_used():
     for drawn in (DOCS / "pictures").iterdir():
         assert drawn.name in used, drawn
         assert drawn.stat().st_size < 200_000, drawn
-        assert pyvista.read(picture).dimensions[0] <= 2100
+        assert pyvista.read(drawn).dimensions[0] <= 2100
 
 
 def test_the_site_is_built(tmp_path):

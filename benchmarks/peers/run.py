@@ -118,7 +118,7 @@ def drawn(name: str, python: str, jobs: list, folder: Path, environment: dict, s
     command = [python, str(HERE / "draw.py"), name, str(folder / "jobs.json"), f"{seconds:.0f}"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=CLOCK * seconds)
-        too_long = -done.returncode in (signal.SIGXCPU, signal.SIGKILL)
+        too_long = -done.returncode == signal.SIGXCPU
         ended = f"not done in {seconds:g} s" if too_long else f"crashed ({done.returncode})"
     except subprocess.TimeoutExpired:
         ended = f"not done in {seconds:g} s"

@@ -183,3 +183,10 @@ def _once(fail):
             thread.join()
 
     return wait
+
+
+def test_standard_input_is_not_drawn(tmp_path, capsys):
+    call = ("skeleton", "-", tmp_path / "o.vtp", "--method", "tree", "--blocks", "--png", tmp_path / "o.png")
+    status, out, err = run(capsys, *call)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert "expected a file of points for --png and --html with --blocks, got standard input" in err

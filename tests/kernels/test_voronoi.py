@@ -10,6 +10,8 @@ import pytest
 from checks import euler_characteristic
 from shapes import FLATS, SOLIDS
 from tetraskel import InputError, Triangulation, VoronoiSkeleton, interior, triangulate, voronoi_skeleton
+from tetraskel.kernels.barycentric import barycentric_coordinates
+from tetraskel.kernels.medial_nodes import circumcentres
 from tetraskel.kernels.voronoi_crossings import find_crossings
 from tetraskel.kernels.voronoi_diagram import voronoi_diagram
 from tetraskel.kernels.voronoi_sides import locate, plain_edges, vertices_inside
@@ -324,3 +326,14 @@ class TestBadInput:
             voronoi_skeleton(mesh, method=method)
         for given, kept in zip((mesh.points, mesh.simplices, mesh.neighbors), before, strict=True):
             assert np.array_equal(given, kept)
+
+
+def test_four_points_of_the_plane() -> None:
+    """Hardly a Voronoi edge is not crossed by the hull: circumcentres are in Sk1 when the hull holds them."""
+    for seed in range(60):
+        mesh = triangulate(np.random.default_rng(seed).random((4, 2)))
+        held = 0
+        for centre in circumcentres(mesh.points, mesh.simplices)[0]:
+            places = np.repeat(centre[None], len(mesh), axis=0)
+            held += (barycentric_coordinates(mesh.points, mesh.simplices, places) >= 0).all(axis=1).any()
+        assert len(voronoi_skeleton(mesh, inside=np.ones(len(mesh)), method="sk1").points) == held, seed

@@ -225,7 +225,10 @@ def test_qhull_and_the_curve_skeleton_are_for_one_rank(tmp_path):
         + """
 curve = CurveSkeleton(Input=mesh)
 curve.UpdatePipeline()
-print(rank, "curve", curve.GetClientSideObject().GetOutputDataObject(0).GetNumberOfPoints())
+import sys
+n = curve.GetClientSideObject().GetOutputDataObject(0).GetNumberOfPoints()
+sys.stdout.write(f"{rank} curve {n}\\n")  # at once, or the ranks' words mix
+sys.stdout.flush()
 """
     )
     done = batch(tmp_path, script, "Qhull", "sym", **{SWITCH: "0"})

@@ -63,7 +63,8 @@ def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
         skeleton = read(chosen.output)
         for write in extras.values():
             write(skeleton)
-        draw_all(chosen, read(chosen.input), skeleton)
+        if chosen.png or chosen.html:
+            draw_all(chosen, read(chosen.input), skeleton)
     tell_counts(chosen, counts, singles, summary_of(chosen, counts, int(whole.facts["DuplicatesMerged"])))
 
 
@@ -77,6 +78,8 @@ def _expect_possible(chosen: argparse.Namespace) -> None:
             "expected --method tree with --blocks, got the curve skeleton: it needs the whole cloud in memory, over "
             f"{TRIANGULATION_BYTES} bytes for each point; use --method tree --blocks, or leave out --blocks."
         )
+    if chosen.input == "-" and (chosen.png or chosen.html):
+        raise InputError("expected a file of points for --png and --html with --blocks, got standard input; save it.")
     if chosen.blocks < 0:
         raise InputError(f"expected --blocks with the number of blocks, got {chosen.blocks}; leave the number out.")
     if Path(chosen.output).suffix.lower() != ".vtp":

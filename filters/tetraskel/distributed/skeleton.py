@@ -146,7 +146,7 @@ def _polylines(skeleton: SkeletonPart, parent: Ints) -> tuple[Ints, Ints, Ints]:
 
 def _lengths_of_branches(comm: Communicator, branch_id: Ints, own: Floats, n_branches: int) -> Floats:
     """(l,) length of the branch that each stretch belongs to."""
-    route = Route(comm, branch_id * comm.size // max(n_branches, 1))
+    route = Route(comm, branch_id.astype(np.int64) * comm.size // max(n_branches, 1))
     branches = route.forward(branch_id)
     names, number = np.unique(branches, return_inverse=True)
     sums = np.zeros(len(names))

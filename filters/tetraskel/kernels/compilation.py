@@ -9,6 +9,7 @@ import logging
 import os
 import sys
 import tempfile
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ KERNELS = Path(__file__).resolve().parent
 logger = logging.getLogger("tetraskel")
 
 
+_settings = threading.Lock()
 _failures: list[BaseException] = []  # why numba is not used although it is there
 
 
@@ -129,13 +131,14 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 @contextmanager
 def _cache_folder(numba: ModuleType) -> Iterator[None]:
-    """Numba's setting for the functions made inside the block only."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
-    try:
-        yield
-    finally:
-        numba.config.CACHE_DIR = before
+    """Numba's setting, which is one for all threads, for the functions made inside the block only."""
+    with _settings:
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(cache_folder())
+        try:
+            yield
+        finally:
+            numba.config.CACHE_DIR = before
 
 
 @cache

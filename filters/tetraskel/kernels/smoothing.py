@@ -57,7 +57,7 @@ def _gains(mesh: Triangulation, side: Bools, cells: Ints) -> Floats:
     """(k,) by how much the surface would shrink if each simplex changed sides alone."""
     gain = np.empty(len(cells))
     constants = (mesh.coordinates, mesh.simplices, mesh.neighbors, side)
-    if run_compiled("gains", constants, (cells,), (gain,)):
+    if mesh.dim == 3 and run_compiled("gains", constants, (cells,), (gain,)):
         return gain
 
     def work(piece: slice) -> None:

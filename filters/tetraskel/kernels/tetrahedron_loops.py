@@ -232,8 +232,9 @@ def rings(corners, outer, n_points):
     _list_edges(corners, 1, 0, ends, edges)
     _list_edges(outer, 0, OUTER, ends, edges)
     facet_ridges = np.full((len(corners), 3), -1, np.int32)
-    ring_start, ring_facets = np.zeros(len(corners) + 1, np.int64), np.empty(3 * len(corners), np.int32)
-    ridge_points = np.empty((len(corners), 2), np.int32)
+    most = 3 * len(corners) // 2  # a ring has two facets at least
+    ring_start, ring_facets = np.zeros(most + 1, np.int64), np.empty(3 * len(corners), np.int32)
+    ridge_points = np.empty((most, 2), np.int32)
     flat_ridges, ridge, n_in_rings = facet_ridges.ravel(), 0, 0
     for point in range(n_points):
         _sort(edges, start[point], start[point + 1])

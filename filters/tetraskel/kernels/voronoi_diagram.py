@@ -110,12 +110,12 @@ class VoronoiDiagram:
     def on_halves(self, flags: Bools) -> Bools:
         """(m, d+1) flags of Voronoi edges (f,) for the facets of each simplex."""
         result = np.zeros(self.simplices.size, bool)
-        chosen = np.flatnonzero(flags)
-        chosen = chosen if 2 * len(chosen) < len(flags) else np.flatnonzero(~flags)
+        few = 2 * np.count_nonzero(flags) < len(flags)
+        chosen = np.flatnonzero(flags if few else ~flags)
         result[self.halves[chosen]] = True
         inner = chosen[self.ends[chosen, 1] < len(self.simplices)]
         result[self._facing(self.ends[inner, 1], self.ends[inner, 0])] = True
-        result = result if flags[chosen[:1]].all() else ~result
+        result = result if few else ~result
         return result.reshape(self.simplices.shape)
 
     def _facing(self, cells: Ints, others: Ints) -> Ints:

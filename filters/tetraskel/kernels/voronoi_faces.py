@@ -201,7 +201,7 @@ def _follow(diagram: VoronoiDiagram, rings: Ints) -> tuple[Ints, Bools, Bools]:
     result = rings.copy()
     column, at, closes = np.arange(k), np.zeros(k, np.int64), ~ended
     for row in range(1, count):
-        at = np.maximum(after.ravel()[at * k + column] - np.int64(1), 0)
+        at = np.maximum(after.ravel()[at * k + column].astype(np.int64) - 1, 0)
         closes &= at > 0
         result[row] = rings.ravel()[at * k + column]
     closes &= after.ravel()[at * k + column] == 1
