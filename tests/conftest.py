@@ -38,6 +38,16 @@ def compiled():
         compile_space()
 
 
+@pytest.fixture(autouse=True)
+def small_pictures(request, monkeypatch):
+    """Pictures of commands as small as can be judged: software draws them, and that takes more time than all else."""
+    if "cli" in request.path.parts or request.path.name == "test_docs.py":
+        from tetraskel.cli import comparison_pictures, picture
+
+        for module in (picture, comparison_pictures):
+            monkeypatch.setattr(module, "SIZE", (400, 300))
+
+
 def compile_plane():
     """What numba compiles for triangles; programs then say nothing about it."""
     build_tree(triangulate(np.random.default_rng(0).random((20, 2))))

@@ -20,7 +20,7 @@ import tetraskel
 from paths import ENVIRONMENT, PLUGIN, ROOT, SAMPLES
 from programs import finished, program
 from tetraskel import options, vtkfilters
-from tetraskel.cli import comparison_pictures, main, picture
+from tetraskel.cli import main
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "sample_data" / "README.md", *sorted(DOCS.rglob("*.md"))]
@@ -66,9 +66,7 @@ def test_every_block_is_run_or_says_why_not():
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """An empty folder with the sample data, the plugin and the command in their places; pictures are small."""
-    for module in (picture, comparison_pictures):
-        monkeypatch.setattr(module, "SIZE", (400, 300))
+    """An empty folder with the sample data, the plugin and the command in their places."""
     (tmp_path / "sample_data").symlink_to(SAMPLES)
     (tmp_path / "plugin").symlink_to(PLUGIN.parent)
     commands = tmp_path / ".venv" / "bin"

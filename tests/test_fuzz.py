@@ -23,7 +23,7 @@ import faces
 import nasty
 
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "150"))
-SECONDS = float(os.environ.get("FUZZ_SECONDS", "8"))  # for each test; what is left is passed over
+SECONDS = float(os.environ.get("FUZZ_SECONDS", "5"))  # for each test; what is left is passed over
 LONG = EXAMPLES > 1000
 
 fuzzing = settings(
