@@ -71,6 +71,7 @@ def test_a_cubic_comes_back_in_the_plane():
     assert (curve.torsion == 0).all()
 
 
+@pytest.mark.slow
 def test_curvature_of_a_circle_and_torsion_of_a_helix():
     ring = bezier_skeleton(path(circle(), closed=True), tolerance=2e-4)
     assert np.allclose(ring.curvature, 0.5, rtol=0.02)
@@ -119,6 +120,7 @@ def test_noise_of_a_hundredth_of_the_radius_goes():
     assert np.abs(np.diff(np.unwrap(np.arctan2(*np.diff(places[:, :2], axis=0).T)))).sum() < 0.3 * turning
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([0.02, 0.1, 0.5]))
 def test_no_curve_leaves_its_tolerance_nor_its_ends(seed, tolerance):
@@ -177,6 +179,7 @@ def test_the_root_is_the_wanted_point():
         assert skeleton.abscissa.max() == pytest.approx(skeleton.branch_length.sum())
 
 
+@pytest.mark.slow
 def test_a_skeleton_keeps_its_roots_and_branches():
     from tetraskel import curve_skeleton
     from tubes import y_tube

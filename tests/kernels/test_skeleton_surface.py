@@ -277,6 +277,7 @@ def test_distances_to_a_surface_are_those_to_all_its_triangles():
     assert np.allclose(distances(surface, places), expected, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_error_of_a_ball_too_large_is_what_it_is_too_large_by():
     ball = skeleton_surface(([[0, 0, 0]], [], [1.0]), spacing=0.05)
     larger = skeleton_surface(([[0, 0, 0]], [], [1.1]), spacing=0.05)
