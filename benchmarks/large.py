@@ -1,7 +1,6 @@
 """Points to skeleton, end to end, with seconds and memory after each stage: python benchmarks/large.py [POINTS] [tree]
 
-Random points of a torus (5,000,000 without an argument). The curve skeleton takes about 6.6 kB a point, so that
-5,000,000 want 33 GB; `tree` stops after triangulation and tree, which want a fourth of that.
+Random points of a torus (5,000,000 without an argument); `tree` stops after triangulation and tree.
 """
 
 from __future__ import annotations
