@@ -5,20 +5,26 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from tetraskel import build_tree, curve_skeleton, triangulate
 from tetraskel.kernels.compilation import numba_is_used
 from tubes import TUBES
+
+settings.register_profile("patient", deadline=None)  # other programs slow single examples down
+settings.load_profile("patient")
 
 
 def pytest_sessionstart(session):
     """Compile once, before the workers of pytest-xdist start: they and the programs of tests load what is on disk."""
     if not hasattr(session.config, "workerinput") and not session.config.option.collectonly and numba_is_used():
         call = [sys.executable, "-c", "import conftest; conftest.compile_plane()"]
-        beside = subprocess.Popen(call, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+        path = os.pathsep.join([str(Path(__file__).parent), *sys.path])  # this folder's conftest first
+        beside = subprocess.Popen(call, env={**os.environ, "PYTHONPATH": path})
         compile_space()
         beside.wait()
         compile_plane()  # what one of the two forgot when both wrote to the same list
