@@ -10,21 +10,11 @@ import numpy as np
 import pytest
 import pyvista
 
-from tetraskel.cli import main
+from commands import run
 from tetraskel.kernels.compilation import numba_is_used
 
 needs_numba = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
 POINTS = np.random.default_rng(0).random((250, 3))
-
-
-def run(capsys, *arguments):
-    """Status, standard output and standard error of a command."""
-    try:
-        status = main([str(argument) for argument in arguments])
-    except SystemExit as leave:
-        status = leave.code
-    told = capsys.readouterr()
-    return status, told.out, told.err
 
 
 def written(folder, suffix, points=POINTS):

@@ -9,22 +9,12 @@ import numpy as np
 import pytest
 import pyvista
 
+from commands import run
 from paths import ENVIRONMENT, PLUGIN, SAMPLES, SHIM
 from tetraskel import assemble_skeleton, build_tree, interior, remove_flat, triangulate
-from tetraskel.cli import main
 from tetraskel.vtkfilters.progress import ProgressLine
 
 POLYGON = SAMPLES / "polygon.csv"
-
-
-def run(capsys, *arguments):
-    """Status, standard output and standard error of a command."""
-    try:
-        status = main([str(argument) for argument in arguments])
-    except SystemExit as leave:
-        status = leave.code
-    told = capsys.readouterr()
-    return status, told.out, told.err
 
 
 def coordinates(file):

@@ -8,18 +8,16 @@ import numpy as np
 import pytest
 import pyvista
 
+import commands
 from paths import SAMPLES
 from tetraskel import compare, comparison, interior, triangulate
-from tetraskel.cli import main
 from tetraskel.errors import EngineError
 from tetraskel.kernels.object_boundary import boundary_of
 from tetraskel.options import COMPARED, RASTER_METHODS
 
 
 def run(capsys, *arguments):
-    status = main(["compare", *map(str, arguments)])
-    told = capsys.readouterr()
-    return status, told.out, told.err
+    return commands.run(capsys, "compare", *arguments)
 
 
 def colours(path):

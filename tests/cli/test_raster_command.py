@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import pyvista
 
+import commands
 from paths import SAMPLES
 from tetraskel import interior, raster_skeleton, rasterise, triangulate
-from tetraskel.cli import main
 
 
 def run(capsys, *arguments):
-    status = main(["raster", *map(str, arguments)])
-    told = capsys.readouterr()
-    return status, told.out, told.err
+    return commands.run(capsys, "raster", *arguments)
 
 
 def image(path, mask):

@@ -10,19 +10,12 @@ import numpy as np
 import pytest
 import pyvista
 
+from commands import run
 from paths import SAMPLES
 from tetraskel import build_tree, triangulate
-from tetraskel.cli import main
 
 CLOUD = SAMPLES / "cloud20.csv"
 POLYGON = SAMPLES / "polygon.csv"
-
-
-def run(capsys, *arguments):
-    """Status, standard output and standard error of a command."""
-    status = main([str(argument) for argument in arguments])
-    told = capsys.readouterr()
-    return status, told.out, told.err
 
 
 def mesh_of(sample):

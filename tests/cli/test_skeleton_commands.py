@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import pyvista
 
+from commands import run
 from paths import SAMPLES
 from tetraskel import bezier_skeleton, skeleton_surface
-from tetraskel.cli import main
 from tetraskel.cli.swc import read_swc
 from tetraskel.errors import InputError
 
@@ -21,16 +21,6 @@ SWC = """# id type x y z radius parent
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [2, 1, 0], [2, -1, 0]], float)
 EDGES = np.array([[0, 1], [1, 2], [1, 3]])
 RADIUS = np.array([0.5, 0.4, 0.3, 0.2])
-
-
-def run(capsys, *arguments):
-    """Status, standard output and standard error of a command."""
-    try:
-        status = main([str(argument) for argument in arguments])
-    except SystemExit as leave:
-        status = leave.code
-    told = capsys.readouterr()
-    return status, told.out, told.err
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from commands import run
 from paths import ENVIRONMENT, SAMPLES
 from programs import SCREEN
 from tetraskel.cli import main, page, picture
@@ -21,13 +22,6 @@ from tetraskel.vtkfilters.convert import segments_of
 
 CLOUD = SAMPLES / "cloud20.csv"
 RADIUS = "MaximumInscribedSphereRadius"
-
-
-def run(capsys, *arguments):
-    """Status, standard output and standard error of a command."""
-    status = main([str(argument) for argument in arguments])
-    told = capsys.readouterr()
-    return status, told.out, told.err
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import pyvista
 
+import commands
 from paths import SAMPLES
 from tetraskel import interior, triangulate, voronoi_skeleton
-from tetraskel.cli import main
 
 
 def run(capsys, *arguments):
-    status = main(["voronoi", *map(str, arguments)])
-    told = capsys.readouterr()
-    return status, told.out, told.err
+    return commands.run(capsys, "voronoi", *arguments)
 
 
 @pytest.mark.parametrize("method", ["sk1", "sk2", "sk3", "sk4"])

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import errno
+import mmap
+import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -245,7 +249,19 @@ def test_a_full_disk_is_said(tmp_path):
     assert resource
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=ENVIRONMENT)
     assert done.stdout.count("expected room for the blocks") == 2
-    assert done.stdout.count("free some space there") == 2
+    assert done.stdout.count("make room for it there") == 2
+
+
+def test_a_file_or_a_mapping_that_the_system_refuses_is_said(tmp_path, monkeypatch):
+    def refuse(*arguments, **more):
+        raise OSError(errno.ENOMEM, os.strerror(errno.ENOMEM))
+
+    shelf = Shelf(tmp_path)
+    for module, name in ((mmap, "mmap"), (tempfile, "TemporaryFile")):
+        with monkeypatch.context() as patched:
+            patched.setattr(module, name, refuse)
+            with pytest.raises(InputError, match=f"expected room for the blocks .*{os.strerror(errno.ENOMEM)}"):
+                shelf.put(np.ones(SMALL))
 
 
 def test_the_number_of_blocks_grows_with_the_points():

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
+import types
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -31,6 +34,20 @@ def run(folder, code=CLOUD, **more):
     """A program with an empty cache of its own; gives its output and its errors."""
     environment = {**ENVIRONMENT, CACHE: str(folder / "cache"), **more}
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=500)
+
+
+def test_threads_that_compile_at_once_leave_numbas_own_setting_as_it_was(monkeypatch):
+    settings = types.SimpleNamespace(CACHE_DIR="numba's own")
+
+    def njit(**options):
+        time.sleep(0.05)  # all threads come here before the first one leaves
+        return lambda function: settings.CACHE_DIR
+
+    monkeypatch.setitem(sys.modules, "numba", types.SimpleNamespace(config=settings, njit=njit))
+    monkeypatch.setattr(compilation, "cache_folder", lambda: "ours")
+    with ThreadPoolExecutor(4) as threads:
+        assert set(threads.map(compilation.compiled, [run] * 4)) == {"ours"}
+    assert settings.CACHE_DIR == "numba's own"
 
 
 def test_numba_can_be_switched_off(monkeypatch):

@@ -15,7 +15,7 @@ from tetraskel.errors import InputError
 from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
 AS_MANY_AS_NEEDED = 0
-TRIANGULATION_BYTES = 700  # for each point (docs/speed.md); the curve skeleton takes these and more
+CURVE_BYTES = 1600  # of the process for each point of the curve skeleton (docs/speed.md)
 HELP = (
     f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
     "beside OUT instead of memory; the same result, slower"
@@ -75,8 +75,8 @@ def _expect_possible(chosen: argparse.Namespace) -> None:
     """Raise `InputError` for a call whose work cannot be done in blocks."""
     if chosen.method != "tree":
         raise InputError(
-            "expected --method tree with --blocks, got the curve skeleton: it needs the whole cloud in memory, over "
-            f"{TRIANGULATION_BYTES} bytes for each point; use --method tree --blocks, or leave out --blocks."
+            "expected --method tree with --blocks, got the curve skeleton: it needs the whole cloud in memory, some "
+            f"{CURVE_BYTES:,} bytes for each point; use --method tree --blocks, or leave out --blocks."
         )
     if chosen.input == "-" and (chosen.png or chosen.html):
         raise InputError("expected a file of points for --png and --html with --blocks, got standard input; save it.")

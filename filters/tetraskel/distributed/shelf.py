@@ -9,7 +9,8 @@ from __future__ import annotations
 import mmap
 import tempfile
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
@@ -44,13 +45,13 @@ class Shelf:
         Raises
         ------
         InputError
-            When the disk is full.
+            When the disk is full, or the system refuses another file or mapping.
         """
         if sum(array.nbytes for array in arrays) < SMALL:
             return list(arrays)
         starts = _starts(array.nbytes for array in arrays)
         with self._file() as file:
-            self._filled(file, lambda: _write(file, arrays, starts))
+            _write(file, arrays, starts)
             return self._mapped(file, [(array.shape, array.dtype) for array in arrays], starts)
 
     def room(self, *kinds: tuple[tuple[int, ...], DTypeLike]) -> list[Array]:
@@ -59,14 +60,12 @@ class Shelf:
         Raises
         ------
         InputError
-            When the disk is full.
+            When the disk is full, or the system refuses another file or mapping.
         """
         exact = [(shape, np.dtype(kind)) for shape, kind in kinds]
         starts = _starts(int(np.prod(shape, dtype=np.int64)) * kind.itemsize for shape, kind in exact)
         with self._file() as file:
-            self._filled(
-                file, lambda: _zeros(file, starts[-1])
-            )  # a hole would fail when it is written to, with a crash
+            _zeros(file, starts[-1])  # a hole would fail when it is written to, with a crash
             return self._mapped(file, exact, starts)
 
     def leave(self) -> None:
@@ -75,21 +74,20 @@ class Shelf:
             for mapped in list(self._maps):
                 mapped.madvise(mmap.MADV_DONTNEED)
 
-    def _file(self) -> IO[bytes]:
-        return tempfile.TemporaryFile(dir=self.folder, prefix=".tetraskel-")
-
-    def _filled(self, file: IO[bytes], write: Any) -> None:
+    @contextmanager
+    def _file(self) -> Iterator[IO[bytes]]:
         try:
-            write()
-            file.flush()
+            with tempfile.TemporaryFile(dir=self.folder, prefix=".tetraskel-") as file:
+                yield file
         except OSError as error:
             raise InputError(
-                f"expected room for the blocks in {str(self.folder)!r}, got: {error.strerror}; free some space there."
+                f"expected room for the blocks in {str(self.folder)!r}, got: {error.strerror}; make room for it there."
             ) from error
 
     def _mapped(self, file: IO[bytes], kinds: Sequence[tuple[tuple[int, ...], Any]], starts: list[int]) -> list[Array]:
         if starts[-1] == 0:
             return [np.zeros(shape, kind) for shape, kind in kinds]
+        file.flush()
         mapped = mmap.mmap(file.fileno(), starts[-1])
         self._maps.add(mapped)
         counts = [int(np.prod(shape, dtype=np.int64)) for shape, _ in kinds]

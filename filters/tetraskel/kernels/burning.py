@@ -12,12 +12,16 @@ the zigzag of small sheets, and so with the density of the samples.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.background import begin
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.collapse import _ridges_below_inner_points
+from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.dual_complex import DualComplex
 from tetraskel.kernels.heaps import make_heap, pop, push
 from tetraskel.kernels.loops_in_python import run_loop
@@ -63,6 +67,17 @@ def burn_times(cells: DualComplex, positions: Floats, radii: Floats, tick: Tick 
     np.maximum.at(nodes, ends[:, 0], burned)
     np.maximum.at(nodes, ends[:, 1], burned)
     return nodes
+
+
+def begin_burning(cells: DualComplex, positions: Floats, radii: Floats) -> Callable[[Tick], Floats]:
+    """`burn_times` beside what comes next; what comes back waits for it, told the share of work done.
+
+    Without numba the loop leaves no room beside it, and is run when it is waited for.
+    """
+    if not numba_is_used():
+        return partial(burn_times, cells, positions, radii)
+    wait = begin(lambda: burn_times(cells, positions, radii))
+    return lambda tick: wait(tick, SECONDS_PER_FACET * len(cells.facets))
 
 
 def _burn_loop(  # type: ignore[no-untyped-def]

@@ -127,5 +127,5 @@ def _rooted_at(tree: MedialTree, component: int, core: Ints) -> MedialTree:
     parent[way[0]], parent_edge[way[0]], roots[component] = -1, -1, way[0]
     others = np.ones(len(parent), bool)
     others[way] = False
-    sequence = np.concatenate([way, tree.sequence[others[tree.sequence]]])
+    sequence = np.concatenate([way.astype(tree.sequence.dtype), tree.sequence[others[tree.sequence]]])
     return replace(tree, parent=parent, parent_edge=parent_edge, roots=roots, sequence=sequence)

@@ -10,17 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
-from tetraskel.kernels.background import begin
 from tetraskel.kernels.branches import Branches, grow_branches
-from tetraskel.kernels.burning import SECONDS_PER_FACET, burn_times
+from tetraskel.kernels.burning import begin_burning
 from tetraskel.kernels.chains import merge_close_junctions, trace_chains
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.collapse import Collapse, collapse_to_graph
 from tetraskel.kernels.core import Core, loop_core
 from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
+from tetraskel.kernels.curve_roots import first_facets, first_of_each, in_mesh
 from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_and_boundary
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_of
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
 from tetraskel.kernels.interior import inside_of_object
@@ -72,16 +72,7 @@ class CurveModel:
     @cached_property
     def first_facets(self) -> Floats:
         """(c, d) barycentre of the boundary facet of each component that comes first by its coordinates."""
-        corners, n_components = self.inner.coordinates, len(self.core.tree.roots)
-        cells, opposite = np.nonzero(self.inner.neighbors < 0)
-        component = self.core.tree.component[cells]
-        total = corners[self.inner.simplices[cells]].sum(axis=1) - corners[self.inner.simplices[cells, opposite]]
-        least = np.full(n_components, np.inf)
-        np.minimum.at(least, component, total[:, 0])
-        some = np.flatnonzero(total[:, 0] == least[component])
-        order = some[np.lexsort([*total[some].T[::-1], component[some]])]
-        first = order[np.flatnonzero(np.diff(component[order], prepend=-1))]
-        return np.asarray(total[first] / corners.shape[1])
+        return first_facets(self.inner, self.core.tree)
 
 
 def curve_skeleton(
@@ -171,9 +162,10 @@ def curve_model(
         )
     tick(0.25)
     nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.45, 0.54))
-    burning = begin(lambda: burn_times(cells, nodes.positions, nodes.radii))  # nothing before needs it
-    widths = _facet_widths(inner, part(tick, 0.54, 0.55))
+    facets = facets_of(inner.simplices, inner.neighbors, part(tick, 0.45, 0.47))
+    cells = dual_complex(inner.simplices, facets, len(inner.coordinates), part(tick, 0.47, 0.54))
+    burning = begin_burning(cells, nodes.positions, nodes.radii)  # nothing before needs it
+    widths = widths_of_facets(inner.coordinates, facets.points, part(tick, 0.54, 0.55))
     collapse = collapse_to_graph(cells, widths, part(tick, 0.55, 0.65))
     check_homotopy(cells, collapse)
     loops = find_loops(
@@ -184,7 +176,7 @@ def curve_model(
         loop_spacings=loop_spacings,
         tick=part(tick, 0.65, 0.7),
     )
-    burn = burning(part(tick, 0.7, 0.8), SECONDS_PER_FACET * len(cells.facets))
+    burn = burning(part(tick, 0.7, 0.8))
     burn = np.where(nodes.is_medial, burn, nodes.radii)
     tick(0.8)
     strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
@@ -193,12 +185,6 @@ def curve_model(
     branches = grow_branches(core, nodes.positions, nodes.radii, burn, part(tick, 0.92, 1.0))
     anchors = anchor_points(inner, nodes, core, branches, tick)
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
-
-
-def _facet_widths(inner: InnerMesh, tick: Tick) -> Floats:
-    """Passage width of each 1-cell of the dual complex, in its order."""
-    corners = facets_and_boundary(inner.simplices, inner.neighbors, part(tick, 0.0, 0.5))[1]
-    return widths_of_facets(inner.coordinates, corners, part(tick, 0.5, 1.0))
 
 
 def _spacing(inner: InnerMesh, cells: DualComplex, facets: Ints) -> Floats:
@@ -292,23 +278,10 @@ def _radii(model: CurveModel, lines: Lines) -> Floats:
 
 def _root_points(model: CurveModel, lines: Lines, component: Ints, root: str | ArrayLike) -> Ints:
     """Point of the lines at which each component is rooted."""
-    n = len(model.core.tree.roots)
     if isinstance(root, str) and root == "widest":
-        value = -model.nodes.radii[lines.nodes]
-    else:
-        places = model.first_facets if isinstance(root, str) else np.tile(_flattened(root, model.inner.mesh), (n, 1))
-        value = ((lines.positions - places[component]) ** 2).sum(axis=1)
-    order = np.lexsort([np.arange(len(value)), value, component])
-    return order[np.flatnonzero(np.diff(component[order], prepend=-1))]
-
-
-def _flattened(place: ArrayLike, mesh: Triangulation) -> Floats:
-    """A place in the coordinates of the mesh."""
-    given = np.asarray(place, dtype=float)
-    if given.shape not in {(mesh.points.shape[1],), (3,)}:
-        raise InputError(f"expected a root as {mesh.points.shape[1]} coordinates, got shape {given.shape}.")
-    given = given[: mesh.points.shape[1]]
-    return given if mesh.plane is None else mesh.plane.project(given[None])[0]
+        return first_of_each(component, -model.nodes.radii[lines.nodes])
+    places = model.first_facets[component] if isinstance(root, str) else in_mesh(root, model.inner.mesh)
+    return first_of_each(component, ((lines.positions - places) ** 2).sum(axis=1))
 
 
 def lifted(positions: Floats, mesh: Triangulation) -> Floats:

@@ -63,61 +63,63 @@ class DualComplex:
         return self.n_nodes - len(self.facets) + self.n_ridges - len(self.inner_points)
 
 
-def dual_complex(simplices: Ints, neighbors: Ints, n_points: int, tick: Tick = silent) -> DualComplex:
-    """Cells of the dual of an interior mesh.
+@dataclass(frozen=True)
+class Facets:
+    """The facets of an interior mesh.
 
-    Parameters
+    Attributes
     ----------
-    simplices, neighbors : (m, d+1) int
-        The points of each ascending; -1 beyond the boundary.
-    n_points : int
+    between : (f, 2) int
+        The two simplices of each facet between simplices, smaller id first, in lexicographic order of (first simplex,
+        vertex opposite).
+    points : (f, d) int
+        Their points, ascending.
+    outer : (g, d) int
+        Points of the facets on the boundary, ascending, in the same order.
     """
-    m, width = simplices.shape
-    facets, corners, outer = facets_and_boundary(simplices, neighbors, part(tick, 0.0, 0.2))
-    on_boundary, used = np.zeros(n_points, bool), np.zeros(n_points, bool)
-    on_boundary[outer], used[simplices] = True, True
-    inner = np.flatnonzero(used & ~on_boundary) if width == 4 else np.empty(0, np.int64)
-    tick(0.3)
-    arguments = (corners, outer, n_points)
-    found = call_compiled("rings", arguments, part(tick, 0.3, 1.0), RING_SECONDS * len(corners)) if width == 4 else None
-    if found is None:
-        keys: Ints = corners if width == 3 else edge_keys(corners)
-        open_keys: Ints = np.flatnonzero(on_boundary) if width == 3 else np.unique(edge_keys(outer))
-        ridges, start, around, closed = _rings(keys, open_keys, part(tick, 0.3, 1.0))
-        points = closed[:, None] if width == 3 else np.stack(np.divmod(closed, np.int64(1) << 32), axis=1)
-        found = ridges, start, around, points
-    facet_ridges, ring_start, ring_facets, ridge_points = found
-    return DualComplex(m, facets, facet_ridges, ring_start, ring_facets, ridge_points, inner)
+
+    between: Ints
+    points: Ints
+    outer: Ints
 
 
-def facets_and_boundary(simplices: Ints, neighbors: Ints, tick: Tick = silent) -> tuple[NDArray[np.int32], Ints, Ints]:
+def facets_of(simplices: Ints, neighbors: Ints, tick: Tick = silent) -> Facets:
     """The facets between simplices, and those on the boundary.
 
     Parameters
     ----------
     simplices, neighbors : (m, d+1) int
-        As for `dual_complex`.
-
-    Returns
-    -------
-    facets : (f, 2) int
-        The two simplices of each facet between simplices, smaller id first, in lexicographic order of (first simplex,
-        vertex opposite).
-    corners : (f, d) int
-        Their points, ascending.
-    outer : (g, d) int
-        Points of the facets on the boundary, ascending, in the same order.
+        The points of each ascending; -1 beyond the boundary.
     """
     if simplices.shape[1] == 4:
         found = call_compiled("facets_of", (simplices, neighbors), tick, FACET_SECONDS * len(simplices))
         if found is not None:
-            return found
+            return Facets(*found)
     cells, opposite = np.nonzero(neighbors > np.arange(len(neighbors), dtype=neighbors.dtype)[:, None])
-    facets = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
-    corners = _without(simplices[cells], opposite)
+    between = np.stack([cells, neighbors[cells, opposite]], axis=1).astype(np.int32)
+    points = _without(simplices[cells], opposite)
     cells, opposite = np.nonzero(neighbors < 0)
     tick(1.0)
-    return facets, corners, _without(simplices[cells], opposite)
+    return Facets(between, points, _without(simplices[cells], opposite))
+
+
+def dual_complex(simplices: Ints, facets: Facets, n_points: int, tick: Tick = silent) -> DualComplex:
+    """Cells of the dual of an interior mesh.
+
+    Parameters
+    ----------
+    simplices : (m, d+1) int
+    facets : Facets
+        Of the simplices.
+    n_points : int
+    """
+    m, width = simplices.shape
+    on_boundary, used = np.zeros(n_points, bool), np.zeros(n_points, bool)
+    on_boundary[facets.outer], used[simplices] = True, True
+    inner = np.flatnonzero(used & ~on_boundary) if width == 4 else np.empty(0, np.int64)
+    tick(0.1)
+    rings = _rings_of_edges if width == 4 else _rings_of_points
+    return DualComplex(m, facets.between, *rings(facets, n_points, part(tick, 0.1, 1.0)), inner)
 
 
 def _without(simplices: Ints, column: Ints) -> Ints:
@@ -131,6 +133,23 @@ def edge_keys(triangles: Ints) -> NDArray[np.int64]:
     """(k, 3) one number per edge of triangles with ascending vertices."""
     low, middle, high = triangles.astype(np.int64).T
     return np.stack([(low << 32) | middle, (low << 32) | high, (middle << 32) | high], axis=1)
+
+
+def _rings_of_edges(facets: Facets, n_points: int, tick: Tick) -> tuple[Ints, Ints, Ints, Ints]:
+    """Ridges of each facet, rings of each ridge, and the ridges' points, of a mesh of tetrahedra."""
+    arguments = (facets.points, facets.outer, n_points)
+    found = call_compiled("rings", arguments, tick, RING_SECONDS * len(facets.points))
+    if found is not None:
+        facet_ridges, ring_start, ring_facets, ridge_points = found
+        return facet_ridges, ring_start, ring_facets, ridge_points
+    ridges, start, around, keys = _rings(edge_keys(facets.points), np.unique(edge_keys(facets.outer)), tick)
+    return ridges, start, around, np.stack(np.divmod(keys, np.int64(1) << 32), axis=1)
+
+
+def _rings_of_points(facets: Facets, n_points: int, tick: Tick) -> tuple[Ints, Ints, Ints, Ints]:
+    """The same of a mesh of triangles, in which a ridge is a point."""
+    ridges, start, around, points = _rings(facets.points, np.unique(facets.outer), tick)
+    return ridges, start, around, points[:, None]
 
 
 def _rings(keys: Ints, open_keys: Ints, tick: Tick) -> tuple[Ints, Ints, Ints, Ints]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
-from tetraskel.kernels.dual_complex import facets_and_boundary
+from tetraskel.kernels.dual_complex import facets_of
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.nearest import Cloud
@@ -53,7 +53,7 @@ class InnerMesh:
     @cached_property
     def widest_door(self) -> float:
         """Largest passage width of the boundary's facets: no place on the boundary is farther from all points."""
-        outer = facets_and_boundary(self.simplices, self.neighbors)[2]
+        outer = facets_of(self.simplices, self.neighbors).outer
         return float(widths_of_facets(self.coordinates, outer).max(initial=0.0))
 
 

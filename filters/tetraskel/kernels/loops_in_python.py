@@ -43,7 +43,7 @@ def run_loop(
         For the progress told to `tick` only.
     """
     if numba_is_used():
-        arrays = [_one_kind(values) for values in inputs]
+        arrays = [_contiguous(values) for values in inputs]
         wait_for(lambda: _compiled(loop)(*arrays, *outputs), tick, expected_seconds)
         return
     lists = [values.tolist() for values in outputs]
@@ -70,7 +70,7 @@ def run_compiled(
     """
     if not numba_is_used():
         return False
-    loop = _of_tetrahedra(name)
+    loop = _loop("tetrahedron_loops", name)
 
     def work(piece: slice) -> None:
         loop(*constants, *(values[piece] for values in inputs), *(values[piece] for values in outputs))
@@ -82,14 +82,14 @@ def run_compiled(
 
 
 def call_compiled(name: str, arguments: Sequence[Any], tick: Tick, expected_seconds: float) -> Any:
-    """The result of `tetrahedron_loops.<name>(*arguments)`; None without numba. `tick` as in `run_loop`."""
+    """The result of `incidence_loops.<name>(*arguments)`; None without numba. `tick` as in `run_loop`."""
     if not numba_is_used():
         return None
-    return wait_for(lambda: _of_tetrahedra(name)(*map(_one_kind, arguments)), tick, expected_seconds)
+    return wait_for(lambda: _loop("incidence_loops", name)(*map(_contiguous, arguments)), tick, expected_seconds)
 
 
-def _of_tetrahedra(name: str) -> Any:
-    return _compiled(getattr(importlib.import_module("tetraskel.kernels.tetrahedron_loops"), name))
+def _loop(module: str, name: str) -> Any:
+    return _compiled(getattr(importlib.import_module(f"tetraskel.kernels.{module}"), name))
 
 
 @cache
@@ -98,6 +98,6 @@ def _compiled(loop: Callable[..., None]) -> Any:
     return compiled(loop)
 
 
-def _one_kind(values: Any) -> Any:
-    """Contiguous arrays: one compiled version serves all."""
+def _contiguous(values: Any) -> Any:
+    """Arrays in one layout: no loop is compiled twice for another one."""
     return np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, for_chunks, part, silent
 from tetraskel.kernels.curve import CurveModel
-from tetraskel.kernels.dual_complex import DualComplex, dual_complex
+from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_of
 from tetraskel.kernels.medial_nodes import MedialNodes
 from tetraskel.kernels.pieces import label_pieces
 from tetraskel.options import CurveOptions
@@ -97,7 +97,8 @@ def medial_mesh(model: CurveModel, *, sheet_angle: float = CurveOptions.sheet_an
     inner, nodes = model.inner, model.nodes
     if inner.simplices.shape[1] < 4 or len(inner.simplices) == 0:
         return _no_sheets(inner.mesh.points.shape[1])
-    cells = dual_complex(inner.simplices, inner.neighbors, len(inner.coordinates), part(tick, 0.0, 0.5))
+    facets = facets_of(inner.simplices, inner.neighbors, part(tick, 0.0, 0.1))
+    cells = dual_complex(inner.simplices, facets, len(inner.coordinates), part(tick, 0.1, 0.5))
     across = inner.coordinates[cells.ridge_points[:, 1]] - inner.coordinates[cells.ridge_points[:, 0]]
     angle = _object_angles(cells, nodes, across)
     tick(0.6)
