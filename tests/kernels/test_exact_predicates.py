@@ -25,8 +25,8 @@ def answers_of_the_plane(p, bounds):
     return (
         predicates.orient2(x[0], y[0], x[1], y[1], x[2], y[2], bounds[0]),
         predicates.in_circle(x[0], y[0], x[1], y[1], x[2], y[2], x[3], y[3], bounds),
-        limbs.determinant_sign(p[:3].copy().ravel(), 2, 0),
-        limbs.determinant_sign(p.ravel(), 2, 1),
+        limbs.determinant_sign(p[:3].copy().ravel(), 2),
+        limbs.determinant_sign(p.ravel(), 2),
     )
 
 
@@ -38,8 +38,8 @@ def answers_of_space(p, bounds):
         predicates.in_sphere(
             x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], x[3], y[3], z[3], x[4], y[4], z[4], bounds
         ),
-        -limbs.determinant_sign(p[:4].copy().ravel(), 3, 0),  # its differences are to the last point, not the first
-        -limbs.determinant_sign(p.ravel(), 3, 1),
+        -limbs.determinant_sign(p[:4].copy().ravel(), 3),  # its differences are to the last point, not the first
+        -limbs.determinant_sign(p.ravel(), 3),
     )
 
 

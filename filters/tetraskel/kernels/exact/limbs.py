@@ -62,8 +62,17 @@ def _carry(digits):
 
 
 @inner
+def _clear(digits):
+    for i in range(len(digits)):
+        digits[i] = 0
+
+
+@inner
 def _add_product(result, a, b, sign):
-    """Add sign * a b to a number, for numbers in order; the result is in order too."""
+    """Add sign * a b to a number, for numbers in order; the result is in order too.
+
+    The sign is a 64-bit integer, not a literal: numba would compile the loops anew for each literal.
+    """
     for i in range(len(a)):
         if a[i] != 0:
             for j in range(len(b)):
@@ -79,54 +88,52 @@ def _differences(points, dim):
     rows = np.zeros((n_rows, dim, max((high - low) // BITS, 0) + 5), np.int64)
     for row in range(n_rows):
         for axis in range(dim):
-            _add_double(rows[row, axis], points[row * dim + axis], low, 1)
-            _add_double(rows[row, axis], points[n_rows * dim + axis], low, -1)
+            _add_double(rows[row, axis], points[row * dim + axis], low, np.int64(1))
+            _add_double(rows[row, axis], points[n_rows * dim + axis], low, np.int64(-1))
             _carry(rows[row, axis])
     return rows
 
 
 @inner
-def _minor(rows, dim, i, j, k, result):
-    """Add the determinant of three rows of space, or of two (i, j) of the plane."""
-    n = rows.shape[2]
-    pair = np.zeros(2 * n + 1, np.int64)
-    _add_product(pair, rows[i, 0], rows[j, 1], 1)
-    _add_product(pair, rows[i, 1], rows[j, 0], -1)
+def _minor(rows, dim, first, result):
+    """Add the determinant of two rows of the plane or three of space, from the first one on, round and round."""
+    plus, minus = np.int64(1), np.int64(-1)
+    i, j, k = first % len(rows), (first + 1) % len(rows), (first + 2) % len(rows)
     if dim == 2:
-        result[: len(pair)] += pair
+        _add_product(result, rows[i, 0], rows[j, 1], plus)
+        _add_product(result, rows[i, 1], rows[j, 0], minus)
         return
-    for turn in range(3):
-        if turn > 0:
-            i, j, k = j, k, i
-            pair[:] = 0
-            _add_product(pair, rows[i, 0], rows[j, 1], 1)
-            _add_product(pair, rows[i, 1], rows[j, 0], -1)
-        _add_product(result, pair, rows[k, 2], 1)
+    pair = np.zeros(2 * rows.shape[2] + 1, np.int64)
+    for _ in range(3):
+        _add_product(pair, rows[i, 0], rows[j, 1], plus)
+        _add_product(pair, rows[i, 1], rows[j, 0], minus)
+        _add_product(result, pair, rows[k, 2], plus)
+        _clear(pair)
+        i, j, k = j, k, i
 
 
 @inner
-def determinant_sign(points, dim, lifted):
+def determinant_sign(points, dim):
     """Sign of the determinant of the differences of points (flat) to the last one.
 
-    With `lifted` = 1 every row has the sum of its squares for one more column.
+    Of d + 2 points in d dimensions, every row has the sum of its squares for one more column.
     """
     rarely()
     rows = _differences(points, dim)
-    n = rows.shape[2]
+    n_rows, n = rows.shape[0], rows.shape[2]
     whole = np.zeros(6 * n + 8, np.int64)
-    if lifted == 0:
-        _minor(rows, dim, 0, 1, 2, whole)
+    if n_rows == dim:
+        _minor(rows, dim, np.int64(0), whole)
     else:
         minor, lift = np.zeros(3 * n + 4, np.int64), np.zeros(2 * n + 2, np.int64)
-        for row in range(dim + 1):
-            minor[:] = 0
-            lift[:] = 0
+        for row in range(n_rows):
             for axis in range(dim):
-                _add_product(lift, rows[row, axis], rows[row, axis], 1)
-            others = (row + 1) % (dim + 1), (row + 2) % (dim + 1), (row + 3) % (dim + 1)
-            _minor(rows, dim, others[0], others[1], others[2], minor)
+                _add_product(lift, rows[row, axis], rows[row, axis], np.int64(1))
+            _minor(rows, dim, row + 1, minor)
             # moving a row of four to the front is an odd permutation for every other row; of three never
-            _add_product(whole, minor, lift, 1 if dim == 2 or row % 2 == 1 else -1)
+            _add_product(whole, minor, lift, np.int64(1 if dim == 2 or row % 2 == 1 else -1))
+            _clear(minor)
+            _clear(lift)
     _carry(whole)
     if whole[len(whole) - 1] < 0:
         return -1

@@ -196,7 +196,7 @@ def _orient2_exactly(ax, ay, bx, by, cx, cy):
     d, d_fits = as_integer(by, cy, scale, back)
     if scale != 0.0 and a_fits and b_fits and c_fits and d_fits:
         return integers.area_sign(a, b, c, d)
-    return limbs.determinant_sign(np.array([ax, ay, bx, by, cx, cy]), 2, 0)
+    return limbs.determinant_sign(np.array([ax, ay, bx, by, cx, cy]), 2)
 
 
 @inner
@@ -218,7 +218,7 @@ def _orient3_exactly(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     fits = a_fits and b_fits and c_fits and d_fits and e_fits and f_fits and g_fits and h_fits and i_fits
     if scale != 0.0 and fits:
         return integers.volume_sign(a, b, c, d, e, f, g, h, i)
-    return limbs.determinant_sign(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]), 3, 0)
+    return limbs.determinant_sign(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]), 3)
 
 
 @inner
@@ -234,7 +234,7 @@ def _circle_exactly(ax, ay, bx, by, cx, cy, dx, dy):
     f, f_fits = as_integer(cy, dy, scale, back)
     if scale != 0.0 and a_fits and b_fits and c_fits and d_fits and e_fits and f_fits:
         return integers.circle_sign(a, b, c, d, e, f)
-    return limbs.determinant_sign(np.array([ax, ay, bx, by, cx, cy, dx, dy]), 2, 1)
+    return limbs.determinant_sign(np.array([ax, ay, bx, by, cx, cy, dx, dy]), 2)
 
 
 @inner
@@ -261,7 +261,7 @@ def _sphere_exactly(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez):
     if scale != 0.0 and fits:
         return integers.sphere_sign(a, b, c, d, e, f, g, h, i, j, k, m)
     points = np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez])
-    return -limbs.determinant_sign(points, 3, 1)
+    return -limbs.determinant_sign(points, 3)
 
 
 @inner
@@ -269,7 +269,7 @@ def _in_tied_circle(ax, ay, bx, by, cx, cy, px, py, bound):
     """The perturbation's answer for four points of one circle."""
     integers.rarely()
     xs, ys = (ax, bx, cx, px), (ay, by, cy, py)
-    done = 0
+    done = np.int64(0)  # not a literal, which would compile what is called once more
     for _ in range(3):
         top = _largest2(xs, ys, done)
         done |= 1 << top
@@ -300,7 +300,7 @@ def _in_tied_sphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz, 
     """The perturbation's answer for five points of one sphere."""
     integers.rarely()
     xs, ys, zs = (ax, bx, cx, dx, px), (ay, by, cy, dy, py), (az, bz, cz, dz, pz)
-    done = 0
+    done = np.int64(0)  # not a literal, which would compile what is called once more
     for _ in range(4):
         top = _largest3(xs, ys, zs, done)
         done |= 1 << top
