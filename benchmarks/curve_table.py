@@ -1,7 +1,6 @@
-"""Judge the curve skeleton on the meshes of a folder: python benchmarks/curve_table.py FOLDER [PICTURES].
+"""Judge the curve skeleton on the meshes of a folder: python benchmarks/curve_table.py FOLDER.
 
-Prints one Markdown row per mesh (OBJ), sampling and detail. The method sees points only; the mesh scores it. With a
-second folder, one small picture per mesh is left there.
+Prints one Markdown row per mesh (OBJ), sampling and detail. The method sees points only; the mesh scores it.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.array(vertices), np.array(triangles)
 
 
-def main(folder: str, pictures: str | None = None) -> None:
+def main(folder: str) -> None:
     print("| shape | points | detail |", " | ".join(COLUMNS), "| reconstruction, % | largest, % | short | refused |")
     print("|---" * (len(COLUMNS) + 7) + "|")
     for path in sorted(Path(folder).glob("*.obj")):
@@ -45,8 +44,6 @@ def main(folder: str, pictures: str | None = None) -> None:
             for detail in DETAILS:
                 skeleton = draw_curve(model, detail=detail)
                 print(row(path.stem, n or len(vertices), detail, skeleton, (vertices, triangles)), flush=True)
-                if pictures and n == SAMPLINGS[-1] and detail == DETAILS[0]:
-                    picture(skeleton, vertices, triangles, Path(pictures) / f"curve-{path.stem}.png")
 
 
 def row(name: str, n: int, detail: float, skeleton: Skeleton, surface: tuple[np.ndarray, np.ndarray]) -> str:
@@ -55,26 +52,6 @@ def row(name: str, n: int, detail: float, skeleton: Skeleton, surface: tuple[np.
     cells += [f"{numbers['reconstruction_mean']:.2f}", f"{numbers['reconstruction_max']:.2f}"]
     cells += [f"{numbers['short_branches']:.3f}", str(skeleton.loops_refused)]
     return " | ".join(["", name, str(n), f"{detail:g}", *cells, ""]).strip(" ")
-
-
-def picture(skeleton: Skeleton, vertices: np.ndarray, triangles: np.ndarray, path: Path) -> None:
-    import pyvista
-
-    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    solid = pyvista.PolyData(vertices, np.c_[np.full(len(triangles), 3), triangles].ravel())
-    bones = pyvista.PolyData(skeleton.points)
-    bones.lines = np.c_[np.full(len(skeleton.edges), 2), skeleton.edges].ravel()
-    bones["radius"] = skeleton.radius
-    plotter = pyvista.Plotter(off_screen=True, window_size=(840, 420), shape=(1, 2), border=False)
-    for column, direction in enumerate([(0, 0, 1), (1, 0.25, 0.35)]):
-        plotter.subplot(0, column)
-        plotter.add_mesh(solid, color="lightgray", opacity=0.25, smooth_shading=True)
-        plotter.add_mesh(bones.tube(radius=0.005 * diagonal), scalars="radius", show_scalar_bar=False)
-        plotter.view_vector(direction, viewup=(0, 1, 0))
-        plotter.camera.zoom(1.0)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    plotter.screenshot(path)
-    plotter.close()
 
 
 if __name__ == "__main__":
