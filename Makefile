@@ -3,8 +3,10 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 OUT := demo_output
-# modules are compiled when they are first imported, and most never are
+# modules are compiled when they are first imported, and most never are; then they are kept, or every program would
+# compile them again
 QUIETLY := --quiet --disable-pip-version-check --no-compile
+unexport PYTHONDONTWRITEBYTECODE
 # the oldest of what pyproject.toml allows that this Python can have
 OLDEST := 'vtk==9.2.*' 'numpy==1.24.*' 'scipy==1.10.*' 'pyvista==0.43.*'
 
