@@ -14,6 +14,7 @@ import time
 import numpy as np
 import pytest
 
+from dealt import clustered, lattice, sphere, uniform
 from paths import ENVIRONMENT
 from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
 from tetraskel.distributed import in_turn
@@ -28,32 +29,18 @@ from tetraskel.kernels.node_arrays import forest_arrays, simplex_arrays, skeleto
 needs_numba = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
 
 
-def uniform(rng):
-    return rng.random((400, 3))
+def float_scan(rng, n):
+    return rng.random((n, 3)).astype(np.float32)
 
 
-def clustered(rng):
-    return rng.random((5, 3))[rng.integers(0, 5, 400)] + rng.normal(size=(400, 3)) * 0.02
-
-
-def lattice(rng):
-    return rng.permutation(np.stack(np.meshgrid(*[np.arange(6.0)] * 3), -1).reshape(-1, 3))
-
-
-def sphere(rng):
-    ways = rng.normal(size=(150, 3))
-    return ways / np.linalg.norm(ways, axis=1, keepdims=True)
-
-
-def float_scan(rng):
-    return rng.random((300, 3)).astype(np.float32)
+POINTS = {uniform: 400, clustered: 400, lattice: 216, sphere: 150, float_scan: 300}
 
 
 @needs_numba
 @pytest.mark.parametrize("n_blocks", [1, 2, 5, 8])
-@pytest.mark.parametrize("cloud", [uniform, clustered, lattice, sphere, float_scan], ids=lambda cloud: cloud.__name__)
+@pytest.mark.parametrize("cloud", POINTS, ids=lambda cloud: cloud.__name__)
 def test_blocks_give_the_serial_skeleton(tmp_path, cloud, n_blocks):
-    points = cloud(np.random.default_rng(n_blocks))
+    points = cloud(np.random.default_rng(n_blocks), POINTS[cloud])
     points = np.concatenate([points, points[:10]])
     options = BlockOptions(threshold=0.2, centre="incentre", keep_leaves=n_blocks == 2)
     found = skeleton_in_blocks(points, tmp_path, n_blocks, options)

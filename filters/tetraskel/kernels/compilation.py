@@ -79,7 +79,7 @@ def _announce_compilation() -> None:
             ours = started.data["dispatcher"].py_func.__module__.startswith("tetraskel")
             if ours and not Compiling.told:
                 Compiling.told = True
-                logger.warning("tetraskel compiles its loops with numba, once; this takes some seconds.")
+                logger.warning("tetraskel compiles its loops with numba, once; this takes up to a minute.")
 
         def on_end(self, ended: Any) -> None:
             pass
