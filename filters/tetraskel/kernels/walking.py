@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,19 @@ LONGEST_WALK = 500
 NEARLY_INSIDE = -1e-3
 
 
+@dataclass(frozen=True)
+class _Ground:
+    """What is walked on: points (n, d), simplices and neighbours (m, d+1)."""
+
+    coordinates: Floats
+    simplices: Ints
+    neighbors: Ints
+
+    def weights(self, cells: Ints, places: Floats) -> Floats:
+        """(k, d+1) barycentric coordinates of places in simplices."""
+        return barycentric_coordinates(self.coordinates, self.simplices[cells], places)
+
+
 def walk_to(
     coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, places: Floats, tick: Tick = silent
 ) -> Ints:
@@ -30,6 +45,7 @@ def walk_to(
     stood at a round that is a power of two (Brent 1980), and came the same way, circles and stops. It walks on by lot,
     as does one that came out of the mesh through a simplex without volume.
     """
+    ground = _Ground(coordinates, simplices, neighbors)
     at, came = np.array(start, dtype=np.int64), np.full(len(start), -1)
     mark, mark_came, next_mark = at.copy(), came.copy(), 1
     active, lost, misled = np.arange(len(at)), np.zeros(len(at), bool), np.zeros(len(at), bool)
@@ -38,7 +54,7 @@ def walk_to(
             break
         if round_ % 4 == 3:
             tick(1 - len(active) / len(at))
-        active = active[_step(coordinates, simplices, neighbors, at, came, active, places, misled)]
+        active = active[_step(ground, at, came, active, places, misled)]
         back = (at[active] == mark[active]) & (came[active] == mark_came[active])
         lost[active[back]] = True
         active = active[~back]
@@ -48,11 +64,11 @@ def walk_to(
     lost[misled & (at < 0)] = True
     rows = np.flatnonzero(lost)
     begin = np.where(at[rows] < 0, came[rows], at[rows])
-    at[rows] = _by_lot(coordinates, simplices, neighbors, begin, places[rows])
+    at[rows] = _by_lot(ground, begin, places[rows])
     return at
 
 
-def _by_lot(coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, places: Floats) -> Ints:
+def _by_lot(ground: _Ground, start: Ints, places: Floats) -> Ints:
     """Simplex that nearly contains each place, the best one of a walk; -1 where none does.
 
     Simplices without volume show no way and are left by a facet drawn by lot. A walk may come out on the wrong side,
@@ -66,12 +82,12 @@ def _by_lot(coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, 
         if len(active) == 0:
             break
         cells = at[active]
-        weights = barycentric_coordinates(coordinates, simplices[cells], places[active])
+        weights = ground.weights(cells, places[active])
         held = weights.min(axis=1)
         better = held > best[active]
         best[active[better]], found[active[better]] = held[better], cells[better]
         drawn[active] |= np.isneginf(held)
-        ahead = neighbors[cells]
+        ahead = ground.neighbors[cells]
         lots = scramble(scramble(ahead.astype(np.uint64)) + np.uint64(turn)) >> np.uint64(11)
         weights = np.where(np.isneginf(weights), -1.0 - lots.astype(float), weights)
         weights[(ahead < 0) | (weights >= 0)] = np.inf
@@ -83,14 +99,7 @@ def _by_lot(coordinates: Floats, simplices: Ints, neighbors: Ints, start: Ints, 
 
 
 def _step(
-    coordinates: Floats,
-    simplices: Ints,
-    neighbors: Ints,
-    at: Ints,
-    came: Ints,
-    active: Ints,
-    places: Floats,
-    misled: NDArray[np.bool_],
+    ground: _Ground, at: Ints, came: Ints, active: Ints, places: Floats, misled: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Move the active walkers one simplex on, in place, not back to where they came from; who walks on.
 
@@ -101,8 +110,8 @@ def _step(
     def work(piece: slice) -> None:
         walkers = active[piece]
         cells = at[walkers]
-        weights = barycentric_coordinates(coordinates, simplices[cells], places[walkers])
-        ahead = neighbors[cells]
+        weights = ground.weights(cells, places[walkers])
+        ahead = ground.neighbors[cells]
         held = weights.min(axis=1)
         arrived = held >= ON_FACET
         misled[walkers[np.isneginf(held)]] = True
