@@ -22,7 +22,7 @@ from tetraskel.kernels.triangulate import triangulate
 
 sys.path.append(str(Path(__file__).parents[1]))
 from shapes import plate, rough
-from tubes import TUBES, cylinder
+from tubes import TUBES, Tube, cylinder
 
 Floats = np.ndarray
 FAST = numba_is_used()  # more and larger samples where loops are compiled
@@ -164,6 +164,16 @@ def rough_ring(n: int) -> Floats:
 def test_a_dense_annulus_has_its_ring(points: Floats) -> None:
     """Sides of polygons leave gaps outside where they meet; the circles are off by 3 % of their spacing."""
     assert topology(curve_skeleton(points)) == (1, 1, 0, 0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_legs_close_to_each_other_are_both_drawn(seed: int) -> None:
+    """The feet are as close to each other as the legs are wide: what tells them apart is where they meet."""
+    legs = [np.array([[0, 0, 0], [x, 0, -0.5], [x, 0, -5.0]]) for x in (-0.23, 0.23)]
+    trunk = np.array([[0, 0, 0.0], [0, 0, 2.5]])
+    skeleton = curve_skeleton(Tube([trunk, *legs], [0.35, 0.2, 0.2]).sample(6000, seed))
+    assert graph_numbers(skeleton)["ends"] == 3
+    assert all(np.abs(skeleton.points - leg[-1]).max(axis=1).min() < 0.2 for leg in legs)
 
 
 def test_a_plate_has_a_skeleton_in_its_mid_plane() -> None:

@@ -31,6 +31,15 @@ def way(parent: Ints, tip: int) -> list[int]:
     return nodes
 
 
+def apart(parent: Ints, balls: Balls, tip: int, other: int) -> float:
+    """Distance of two tips, or the shorter of their ways to where they meet if that is more."""
+    ways = way(parent, tip), way(parent, other)
+    meet = next(node for node in ways[0] if node in ways[1])
+    limbs = [balls.positions[nodes[: nodes.index(meet) + 1]] for nodes in ways]
+    long = [np.linalg.norm(np.diff(limb, axis=0), axis=1).sum() for limb in limbs]
+    return max(float(np.linalg.norm(balls.positions[tip] - balls.positions[other])), min(long))
+
+
 def pruned_plainly(parent: Ints, balls: Balls, tips: Ints, diagonal: float) -> tuple[Ints, list[float]]:
     """Which tip goes when, and what it is worth then: everything measured anew each time."""
     left, order, worths = tips.tolist(), [], []
@@ -41,9 +50,9 @@ def pruned_plainly(parent: Ints, balls: Balls, tips: Ints, diagonal: float) -> t
             exposure = Exposure(balls, np.array([tip]))
             for node in sorted(others):
                 exposure.cover(np.array([node]))
-            for other in left:
-                if other != tip:
-                    exposure.add_end(other)
+            exposure.alone[0] = min(
+                [apart(parent, balls, tip, other) for other in left if other != tip], default=np.inf
+            )
             value = significance(exposure.excess, exposure.ratio, exposure.alone, diagonal)[0]
             values.append((value, exposure.excess[0, 0], left.index(tip)))
         least = min(values)

@@ -55,7 +55,8 @@ def prune(parent: Ints, balls: Balls, start: Ints, tips: Ints, diagonal: float, 
 class _Fringe:
     """The tips that are left (`left`), and how far each pokes out of all that is not its own way alone.
 
-    `excess` and `ratio` (2, k) are those of `Exposure`, `alone` (k,) the distance to the next tip. Trails are cut into
+    `excess` and `ratio` (2, k) are those of `Exposure`, `alone` (k,) the distance to the next tip, or how far both are
+    from where they meet (`limbs`, (k, k)) if that is more. Trails are cut into
     pieces where others join them; `through` (k, p) says which pieces lie on the way of which tip. The last piece is
     the start, which is nobody's.
     """
@@ -71,6 +72,7 @@ class _Fringe:
         self.shared_by = np.append(self.through.sum(axis=0), len(tips))
         self.excess, self.ratio = np.empty((2, len(tips))), np.empty((2, len(tips)))
         self.nearest = np.empty((4, len(tips)), np.int64)  # pieces that give the four
+        self.limbs = _limbs(parent, balls, pieces, self.through)
         self.alone, self.neighbour = np.full(len(tips), np.inf), np.full(len(tips), -1)
         for tip in range(len(tips)):
             self._measure(tip)
@@ -108,8 +110,17 @@ class _Fringe:
         self.alone[tip], self.neighbour[tip] = np.inf, -1
         if len(others):
             gaps = self.balls.positions[self.tips[others]] - self.balls.positions[self.tips[tip]]
-            away = np.sqrt((gaps**2).sum(axis=1))
+            away = np.maximum(np.sqrt((gaps**2).sum(axis=1)), self.limbs[tip, others])
             self.alone[tip], self.neighbour[tip] = away.min(), others[away.argmin()]
+
+
+def _limbs(parent: Ints, balls: Balls, pieces: list[Ints], through: Bools) -> Floats:
+    """(k, k) length of the shorter of two tips' ways to where they meet: two legs are apart, however close the feet."""
+    steps = [balls.positions[piece] - balls.positions[parent[piece]] for piece in pieces]
+    lengths = np.array([np.sqrt((step**2).sum(axis=1)).sum() for step in steps])
+    common = (through * lengths) @ through.T.astype(float)
+    whole = np.diagonal(common)
+    return np.asarray(np.minimum(whole[:, None], whole) - common)
 
 
 def trails(parent: Ints, start: Ints, tips: Ints) -> list[Ints]:
