@@ -90,6 +90,22 @@ def plate_figure():
     plotter.screenshot(HERE / "pictures" / "sheets.png")
 
 
+def detail_figure():
+    """The skeleton of the limbs at three details."""
+    plotter = pyvista.Plotter(off_screen=True, shape=(1, 3), window_size=(1260, 330), border=False)
+    plotter.set_background(PAPER)
+    cloud = pyvista.read(SAMPLES / "limbs.vtp")
+    for column, detail in enumerate((0, 0.5, 1)):
+        plotter.subplot(0, column)
+        skeleton = run(cloud, CurveSkeleton(detail=detail))
+        plotter.add_mesh(cloud, color=INK, point_size=1.5, opacity=0.4)
+        tubes, widest = skeleton.tube(radius=0.03), skeleton[RADIUS].max()
+        plotter.add_mesh(tubes, scalars=RADIUS, cmap="viridis", clim=(0, widest), show_scalar_bar=False)
+        plotter.view_vector((1, -2, 1), viewup=(0, 0, 1))
+        plotter.camera.zoom(1.4)
+    plotter.screenshot(HERE / "pictures" / "detail.png")
+
+
 def box_surface(sides, n):
     """Random points of a box, uniform by area."""
     rng = np.random.default_rng(0)
@@ -152,4 +168,5 @@ if __name__ == "__main__":
     paper_figure()
     box_figure()
     plate_figure()
+    detail_figure()
     gallery()

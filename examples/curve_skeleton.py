@@ -20,7 +20,8 @@ assert skeleton.field_data["Loops"][0] == 1
 
 plotter = pyvista.Plotter(shape=(1, 2), window_size=(1400, 600))
 plotter.add_mesh(torus, color="lightsteelblue", point_size=3)
-plotter.add_mesh(skeleton, line_width=6, cmap="viridis", scalar_bar_args={"title": "Radius"})
+widest = skeleton["MaximumInscribedSphereRadius"].max()
+plotter.add_mesh(skeleton, line_width=6, cmap="viridis", clim=(0, widest), scalar_bar_args={"title": "Radius"})
 plotter.subplot(0, 1)
 plotter.add_mesh(surface, color="wheat", smooth_shading=True)
 plotter.link_views()

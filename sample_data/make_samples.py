@@ -21,7 +21,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from answers import Floats, Sample, write_answers
 from small_clouds import box8, cloud20, polygon, rectangle8
-from tubes import bent_tube, torus, tree_of_tubes, y_tube
+from tubes import bent_tube, limbs, torus, tree_of_tubes, y_tube
 
 SAMPLES: dict[str, Callable[[], Sample]] = {
     "rectangle8.csv": rectangle8,
@@ -32,6 +32,7 @@ SAMPLES: dict[str, Callable[[], Sample]] = {
     "torus.vtp": torus,
     "bent_tube.vtp": bent_tube,
     "tree_of_tubes.vtp": tree_of_tubes,
+    "limbs.vtp": limbs,
 }
 
 

@@ -63,6 +63,21 @@ def tree_of_tubes() -> Sample:
     return surface_samples(tubes, 12000, seed=12), tubes_answers(tubes)
 
 
+def limbs() -> Sample:
+    """Body along the x axis with twelve limbs across it, from longer and thicker to shorter and thinner ones."""
+    places = np.array([0, 0.5, 1.1, 1.6, 2, 2.7, 3.2])  # of the nodes along the body
+    roots = [1, 1, 3, 5, 5, 4, 2, 4, 5, 3, 2, 3]
+    across = [[0, 1.6], [0, -1.5], [1.1, 0], [-1, 0], [0, 0.8], [0, -0.75], [-0.6, 0], [0, 0.58], [0.55, 0], [-0.53, 0],
+              [0, 0.5], [0, 0.48]]  # fmt: skip
+    thick = [0.22, 0.2, 0.2, 0.2, 0.16, 0.16, 0.16, 0.16, 0.15, 0.15, 0.15, 0.15]
+    body = np.c_[places, np.zeros((len(places), 2))]
+    tips = np.c_[places[roots], across]
+    along = np.c_[np.arange(6), np.arange(1, 7)]
+    edges = np.r_[along, np.c_[roots, np.arange(7, 19)]]
+    tubes = Tubes(np.r_[body, tips], edges, np.r_[np.full(6, 0.4), thick])
+    return surface_samples(tubes, 5000, seed=7), tubes_answers(tubes)
+
+
 def surface_samples(tubes: Tubes, n_points: int, *, seed: int) -> Floats:
     """Random points (n, 3), uniform by area on the surface of the union.
 

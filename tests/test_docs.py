@@ -8,6 +8,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, fields
@@ -197,15 +198,49 @@ def test_pictures_are_small_and_all_are_used():
         assert pyvista.read(drawn).dimensions[0] <= 2100
 
 
-def test_the_site_is_built(tmp_path):
-    pytest.importorskip("mkdocs")
-    pytest.importorskip("mkdocstrings")
-    pytest.importorskip("material")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+def test_every_page_is_in_the_menu():
+    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    listed = re.findall(r"[\w/]+\.md", text[text.index("\nnav:") :])
+    assert sorted(listed) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of the site, built once."""
+    for package in ("mkdocs", "mkdocstrings", "material"):
+        pytest.importorskip(package)
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
     environment = {**ENVIRONMENT, "NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
     assert done.returncode == 0, done.stderr
-    page = (tmp_path / "site" / "filters" / "curve_skeleton.html").read_text(encoding="utf-8")
+    return folder
+
+
+def test_the_site_has_options_and_names(site):
+    page = (site / "filters" / "curve_skeleton.html").read_text(encoding="utf-8")
     assert options.CurveOptions.__dataclass_fields__["loop_spacings"].metadata["doc"] in page
-    reference = (tmp_path / "site" / "api.html").read_text(encoding="utf-8")
+    reference = (site / "api.html").read_text(encoding="utf-8")
     assert all(f'id="tetraskel.{name}"' in reference for name in tetraskel.__all__)
+
+
+def test_the_site_fetches_nothing_from_elsewhere(site):
+    pages = list(site.rglob("*.html"))
+    assert len(pages) > len(list(DOCS.rglob("*.md")))
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        fetched = re.findall(r"<(?:script|link|img|iframe)[^>]*(?:src|href)=[\"']?((?:https?:)?//[^\"'\s>]*)", text)
+        assert not fetched, page
+        assert "unpkg" not in text, page
+    assert not [path for path in site.rglob("*") if path.suffix == ".py" or path.name == "__pycache__"]
+
+
+def test_search_works_without_a_server(site, tmp_path):
+    browser = shutil.which("chromium") or shutil.which("chromium-browser")
+    if browser is None:
+        pytest.skip("chromium is not installed")
+    for page in ("index.html", "filters/curve_skeleton.html"):
+        command = [browser, "--headless=new", "--no-sandbox", f"--user-data-dir={tmp_path / 'browser'}",
+                   "--virtual-time-budget=5000", "--dump-dom", f"{(site / page).as_uri()}?q=Strahler"]  # fmt: skip
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        assert "md-search-result__item" in done.stdout

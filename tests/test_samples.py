@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -10,8 +11,8 @@ import numpy as np
 import pytest
 import pyvista
 
-from paths import SAMPLES
-from tetraskel import build_tree, remove_flat, triangulate
+from paths import ROOT, SAMPLES
+from tetraskel import build_tree, curve_skeleton, remove_flat, triangulate
 from tetraskel.kernels.quality import qualities, volumes
 from tetraskel.pipeline import tree_skeleton
 
@@ -71,3 +72,14 @@ def test_the_chain_runs_on_every_sample(name):
     skeleton = tree_skeleton(cloud(name))
     assert len(skeleton.points)
     assert np.isfinite(skeleton.points).all()
+
+
+def test_detail_shows_more_of_the_limbs_as_first_steps_says():
+    drawn = [curve_skeleton(cloud("limbs"), detail=detail) for detail in (0, 0.5, 1)]
+    lines = [len(skeleton.branch_length) for skeleton in drawn]
+    text = " ".join((ROOT / "docs" / "first_steps.md").read_text(encoding="utf-8").split())
+    (told,) = re.findall(r"the commands print (\d+) lines, (\d+) lines and (\d+) lines", text)
+    assert lines == list(map(int, told))
+    assert len(set(lines)) == len(lines)
+    assert lines[0] < ANSWERS["limbs"]["n_ends"]
+    assert (drawn[-1].node_degree == 1).sum() == ANSWERS["limbs"]["n_ends"]

@@ -165,6 +165,20 @@ def test_surface_covers_sheets_too(tmp_path, capsys, branching):
     assert pyvista.read(tmp_path / "o.vtp").n_cells == len(expected.simplices)
 
 
+def test_an_object_without_sheets_is_told_and_its_surface_is_that_of_the_lines(tmp_path, capsys):
+    lines, sheets = tmp_path / "t.vtp", tmp_path / "sheets.vtp"
+    status, out, err = run(capsys, "skeleton", SAMPLES / "torus.vtp", lines, "--sheets", sheets)
+    assert status == 0
+    assert "nodes" in out
+    assert err == "warning: no part of the object has medial sheets; the file of --sheets has 0 faces.\n"
+    assert pyvista.read(sheets).n_cells == 0
+    for name, more in (("with.vtp", ["--sheets", sheets]), ("without.vtp", [])):
+        assert run(capsys, "surface", lines, tmp_path / name, "--spacing", "0.1", *more)[::2] == (0, "")
+    surfaces = [pyvista.read(tmp_path / name) for name in ("with.vtp", "without.vtp")]
+    assert np.array_equal(surfaces[0].points, surfaces[1].points)
+    assert np.array_equal(surfaces[0].faces, surfaces[1].faces)
+
+
 def test_surface_wants_faces_for_sheets(tmp_path, capsys, branching):
     pyvista.PolyData([[0.0, 0, 0]]).save(tmp_path / "points.vtp")
     status, _, err = run(capsys, "surface", branching, tmp_path / "o.vtp", "--sheets", tmp_path / "points.vtp")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from reference import contracted
 from tetraskel import InputError, build_tree, remove_flat, triangulate, triangulation_of
-from tetraskel.kernels.flat import contract, remove_flat_cells
+from tetraskel.kernels.flat import contract
 from tetraskel.kernels.forest import complete_forest
 from tetraskel.kernels.quality import qualities, volumes
 
@@ -151,15 +151,6 @@ def test_threshold_zero_keeps_everything():
 def test_all_flat_leaves_an_empty_tree():
     tree = build_tree(triangulate(BOX))
     assert len(remove_flat(tree, threshold=1)) == 0
-
-
-def test_flat_cells_leave_the_mesh():
-    mesh = triangulate(np.random.default_rng(2).random((200, 3)))
-    kept = remove_flat_cells(mesh, threshold=0.2)
-    assert (qualities(kept) >= 0.2).all()
-    assert len(kept) == (qualities(mesh) >= 0.2).sum()
-    again = triangulation_of(kept.points, kept.simplices)
-    assert np.array_equal(again.neighbors, kept.neighbors)
 
 
 @pytest.mark.parametrize("threshold", [-0.1, 1.5, np.nan])

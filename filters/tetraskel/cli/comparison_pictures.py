@@ -7,13 +7,13 @@ from pathlib import Path
 
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from tetraskel.cli.colours import RADIUS, colour_range
 from tetraskel.cli.files import replace_file, silent_log
 from tetraskel.comparison import Row
 
 SIZE = (1200, 900)
 TILE = (440, 400)
 COLUMNS = 5
-RADIUS = "MaximumInscribedSphereRadius"
 SHELL, LINE = "#5b6b7a", "#30404f"
 FEW = 2000  # lines or points so few that each is to be seen
 
@@ -59,7 +59,7 @@ def _scene(plotter, row: Row, skeleton: vtkPolyData, boundary: vtkPolyData, wide
     plotter.add_mesh(pyvista.wrap(boundary), **shell)
     data = pyvista.wrap(skeleton)
     few = data.n_points < FEW
-    style = {"scalars": RADIUS, "cmap": "viridis", "show_scalar_bar": False, "clim": (0.0, widest)}
+    style = {"scalars": RADIUS, "cmap": "viridis", "show_scalar_bar": False, "clim": colour_range(RADIUS, [widest])}
     if row.kind == "points":
         places = pyvista.PolyData(data.points)
         places[RADIUS] = data[RADIUS]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
+from tetraskel.cli.colours import DEPTH, RADIUS, colour_range
 from tetraskel.errors import InputError
 from tetraskel.vtkfilters.convert import array_of, points_of, segments_of, surface_of_data
 
@@ -17,7 +18,7 @@ LARGEST = 300_000  # points of a result that a browser still turns
 CLOUD_POINTS = 60_000  # of the object, shown around it
 STEPS = 65_535  # to which their places are rounded, along the longest side
 THIN = 0.008  # of a line's tube at least, relative to half the diagonal
-COLOURS = {"radius": "MaximumInscribedSphereRadius", "depth": "Depth", "branch": "BranchId"}
+COLOURS = {"radius": RADIUS, "depth": DEPTH, "branch": "BranchId"}
 
 
 def write_page(data: vtkPolyData, source: vtkPointSet, path: Path, title: str) -> None:
@@ -46,6 +47,7 @@ def geometry(data: vtkPolyData, source: vtkPointSet, title: str) -> dict:
     Points (n, 3) and radii are exact; values that are not finite are None.
     """
     arrays = {name: array_of(data.GetPointData(), array) for name, array in COLOURS.items()}
+    there = {name: values for name, values in arrays.items() if values is not None}
     return {
         "title": title,
         "points": points_of(data).astype(float).tolist(),
@@ -53,7 +55,8 @@ def geometry(data: vtkPolyData, source: vtkPointSet, title: str) -> dict:
         "edges": segments_of(data.GetLines(), closed=False).tolist(),
         "triangles": surface_of_data(data)[1].tolist(),
         "smooth": bool(data.GetPointData().HasArray("Normals")),
-        "colours": {name: _finite(values) for name, values in arrays.items() if values is not None},
+        "colours": {name: _finite(values) for name, values in there.items()},
+        "ranges": {name: colour_range(COLOURS[name], values) for name, values in there.items()},
         "thin": THIN,
         "cloud": _cloud(points_of(source).astype(float)),
     }

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
+from tetraskel.cli.colours import DEPTH, RADIUS, colour_range, legend
 from tetraskel.cli.files import replace_file, silent_log
 
 SIZE = (1200, 900)
 FEW = 500  # points so few that each is to be seen
 TUBES = 5000  # points up to which lines are drawn round
-RADIUS, DEPTH = "MaximumInscribedSphereRadius", "Depth"
 
 
 def draw(source: vtkPointSet, result: vtkPolyData, path: str) -> None:
@@ -62,12 +62,12 @@ def _add_result(plotter, result: vtkPolyData) -> None:
     import pyvista
 
     name = next((name for name in (RADIUS, DEPTH) if result.GetPointData().HasArray(name)), None)
-    title, form = ("Depth\n", "%.0f") if name == DEPTH else ("Radius\n", "%.2g")
-    bar = {"color": "black", "fmt": form, "n_labels": 3, "vertical": True, "height": 0.5, "title": title}
     if result.GetNumberOfPolys() and not result.GetNumberOfLines():
         style = {"color": "#e8c39e", "scalars": None, "opacity": 0.5}
     elif name:
-        style = {"scalars": name, "cmap": "viridis", "scalar_bar_args": bar}
+        limits = colour_range(name, pyvista.wrap(result).point_data[name])
+        bar = {"color": "black", "vertical": True, "height": 0.5, **legend(name, limits)}
+        style = {"scalars": name, "cmap": "viridis", "clim": limits, "scalar_bar_args": bar}
     else:
         style = {"color": "#c04020", "scalars": None}
     width = 6 if result.GetNumberOfPoints() < FEW else 2

@@ -86,7 +86,7 @@ def _extra_writers(chosen: argparse.Namespace) -> dict:
         "edges": (chosen.edges, tables, write_edges_csv),
         "table": (chosen.table, tables, write_branch_table),
         "points": (chosen.points, meshes[:1], write_by_suffix),
-        "sheets": (chosen.sheets, meshes, write_by_suffix),
+        "sheets": (chosen.sheets, meshes, _write_sheets),
     }
     for path, suffixes, _ in wanted.values():
         if path:
@@ -94,6 +94,17 @@ def _extra_writers(chosen: argparse.Namespace) -> dict:
     paths = [chosen.output, *(path for path, _, _ in wanted.values() if path)]
     check_apart(paths, [path for path in (chosen.input, chosen.boundary) if path])
     return {name: replace_to(path, write) for name, (path, _, write) in wanted.items() if path}
+
+
+def _write_sheets(sheets, path) -> None:
+    """Write the sheets; where there are none, say so."""
+    import sys
+
+    from tetraskel.cli.files import write_by_suffix
+
+    write_by_suffix(sheets, path)
+    if not sheets.GetNumberOfPolys():
+        print("warning: no part of the object has medial sheets; the file of --sheets has 0 faces.", file=sys.stderr)
 
 
 def _tree(chosen: argparse.Namespace, extras: dict) -> None:

@@ -53,6 +53,8 @@ def _with_sheets(skeleton, sheets):
     from vtkmodules.vtkCommonDataModel import vtkPolyData
     from vtkmodules.vtkFiltersCore import vtkAppendPolyData
 
+    if isinstance(sheets, vtkPolyData) and not sheets.GetNumberOfPoints():
+        return skeleton  # of an object without sheets
     if not isinstance(sheets, vtkPolyData) or not sheets.GetNumberOfPolys():
         raise InputError(
             f"expected medial sheets, faces with radii, for --sheets, got {sheets.GetClassName()} without."

@@ -1,4 +1,4 @@
-"""Flat simplices, removed: from a tree by contraction, from a mesh by dropping cells.
+"""Flat simplices, removed from a tree by contraction.
 
 The paper's definition 5 measures flatness; displaced cospherical points make flat tetrahedra along the sides of an
 object, and the tree grows branches there that mean nothing.
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.forest import Forest, complete_forest, preorder
-from tetraskel.kernels.mesh import Triangulation, expect_mesh, submesh
 from tetraskel.kernels.quality import qualities
 from tetraskel.kernels.tree import Tree, expect_tree
 from tetraskel.options import FlatOptions
@@ -52,13 +51,6 @@ def all_flat(n_simplices: int, threshold: float) -> str:
         f"expected simplices of quality {threshold:g} or better, got none among {n_simplices}: the points almost lie "
         "in a plane or on a line; lower the threshold."
     )
-
-
-def remove_flat_cells(mesh: Triangulation, *, threshold: float = FlatOptions.threshold) -> Triangulation:
-    """The mesh without its simplices of quality below `threshold`; points stay."""
-    expect_mesh(mesh)
-    FlatOptions(threshold=threshold)
-    return submesh(mesh, qualities(mesh) >= threshold)
 
 
 def contract(forest: Forest, flat: Bools, traversal: str) -> tuple[Forest, Ints]:

@@ -61,7 +61,7 @@ class InteriorCells(SkeletonFilter):
         mesh = mesh_of(source)
         if self.method == "outline" and len(mesh):
             mesh, inside = inside_by_outline(mesh, *self._outline(inputs[1]), tick=self.tick("Following the outline"))
-            self._write_new_mesh(source, output, mesh, inside)
+            self._write_new_mesh(output, mesh, inside)
         else:
             inside = self._classify(source, mesh, inputs[1])
             self._write(source, output, mesh, inside)
@@ -112,7 +112,7 @@ class InteriorCells(SkeletonFilter):
             named = {"GateWidth": found.width, "RoomRadius": found.room_radius, "GateParent": found.parent}
             add_arrays(output.GetCellData(), {name: values[kept] for name, values in named.items()})
 
-    def _write_new_mesh(self, source, output, mesh, inside):
+    def _write_new_mesh(self, output, mesh, inside):
         kept = inside if self.extract else np.ones(len(mesh), bool)
         fill_grid(output, submesh(mesh, kept))
         self._mark(output, inside[kept])
