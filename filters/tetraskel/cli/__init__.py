@@ -21,6 +21,7 @@ from tetraskel.cli import (
     view,
     voronoi,
 )
+from tetraskel.cli.outputs import check_apart, inputs_of, outputs_of
 from tetraskel.cli.several import jobs
 from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, shorten, told
 from tetraskel.errors import TetraskelError
@@ -65,6 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(chosen: argparse.Namespace) -> int:
     try:
+        check_apart(outputs_of(chosen), inputs_of(chosen))
         COMMANDS[chosen.command].run(chosen)
         sys.stdout.flush()
     except BrokenPipeError:  # who read our output has enough

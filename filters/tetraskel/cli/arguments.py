@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 from dataclasses import fields
 
+from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.options import Options
-
-STANDARD_INPUT = "-"
 
 
 def add_input(parser: argparse.ArgumentParser, kinds: str) -> None:
     """IN, once or more; with several, OUT is a folder."""
-    parser.add_argument("input", metavar="IN", nargs="+", help=f"{kinds}; with several, OUT is a folder")
+    parser.add_argument(
+        "input", metavar="IN", type=InputFile, nargs="+", help=f"{kinds}; with several, OUT is a folder"
+    )
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +30,10 @@ def add_points_only(parser: argparse.ArgumentParser) -> None:
 
 def add_drawings(parser: argparse.ArgumentParser, how: str = "also ") -> None:
     """Pictures of the result."""
-    parser.add_argument("--png", metavar="FILE", help=f"{how}draw the result, off screen")
-    parser.add_argument("--html", metavar="FILE", help=f"{how}write a page that turns the result in a browser")
+    parser.add_argument("--png", metavar="FILE", type=OutputFile, help=f"{how}draw the result, off screen")
+    parser.add_argument(
+        "--html", metavar="FILE", type=OutputFile, help=f"{how}write a page that turns the result in a browser"
+    )
 
 
 def add_options(parser: argparse.ArgumentParser, *option_sets: type[Options]) -> None:

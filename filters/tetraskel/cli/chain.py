@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, values
 from tetraskel.cli.drawings import check_drawings, draw_all
 from tetraskel.cli.files import read, writer_for
+from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
@@ -24,7 +25,9 @@ from tetraskel.vtkfilters.progress import ProgressLine
 def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
     add_input(parser, "points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy, or - for a table from a pipe")
-    parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
+    parser.add_argument(
+        "output", metavar="OUT", type=OutputFile, help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)"
+    )
     add_drawings(parser)
     add_json(parser)
     add_points_only(parser)
@@ -35,7 +38,9 @@ def add_inside(parser: argparse.ArgumentParser) -> None:
     add_options(parser, InteriorOptions)
     parser.set_defaults(inside="all")
     group = parser.add_argument_group("For --inside surface, outline and array")
-    group.add_argument("--boundary", metavar="FILE", help="the closed surface, or the closed lines of the outline")
+    group.add_argument(
+        "--boundary", metavar="FILE", type=InputFile, help="the closed surface, or the closed lines of the outline"
+    )
     group.add_argument(
         "--label-array", metavar="NAME", default=InteriorCellsOptions.label_array, help="cell array, not 0 inside"
     )
@@ -80,7 +85,7 @@ def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callabl
     `writers` by suffix, where a command has others than most.
     """
     check_drawings(chosen)
-    return writer_for(chosen.output, chosen.input, writers)
+    return writer_for(chosen.output, writers)
 
 
 def written(

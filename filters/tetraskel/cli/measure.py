@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from tetraskel.cli.outputs import InputFile
 from tetraskel.errors import InputError
 
 EXAMPLES = (
@@ -17,8 +18,10 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel measure` takes."""
-    parser.add_argument("skeleton", metavar="SKELETON", help="a curve skeleton: .vtp .vtk")
-    parser.add_argument("surface", metavar="SURFACE", help="the closed surface of the object: .obj .ply .stl .vtp .vtk")
+    parser.add_argument("skeleton", metavar="SKELETON", type=InputFile, help="a curve skeleton: .vtp .vtk")
+    parser.add_argument(
+        "surface", metavar="SURFACE", type=InputFile, help="the closed surface of the object: .obj .ply .stl .vtp .vtk"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
 
 

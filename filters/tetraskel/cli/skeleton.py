@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.outputs import OutputFile
 from tetraskel.errors import InputError
 from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
@@ -44,10 +45,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add_files(parser)
     parser.add_argument("--method", choices=("curve", "tree"), default="curve", help="which skeleton")
-    parser.add_argument("--edges", metavar="FILE", help="also write the edges as .csv, by rows of the table of nodes")
-    parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
-    parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
-    parser.add_argument("--sheets", metavar="FILE", help="curve: also write the medial sheets as .vtp or .vtk")
+    parser.add_argument(
+        "--edges", metavar="FILE", type=OutputFile, help="also write the edges as .csv, by rows of the table of nodes"
+    )
+    parser.add_argument("--table", metavar="FILE", type=OutputFile, help="also write a row per branch as .csv")
+    parser.add_argument(
+        "--points", metavar="FILE", type=OutputFile, help="curve: also write the points with their branch as .vtp"
+    )
+    parser.add_argument(
+        "--sheets", metavar="FILE", type=OutputFile, help="curve: also write the medial sheets as .vtp or .vtk"
+    )
     add_blocks(parser)
     add_inside(parser)
     add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
@@ -75,7 +82,7 @@ def run(chosen: argparse.Namespace) -> None:
 
 def _extra_writers(chosen: argparse.Namespace) -> dict:
     """Writers of the files asked for beside the skeleton, checked before any work."""
-    from tetraskel.cli.files import check_apart, check_output, replace_to, write_by_suffix
+    from tetraskel.cli.files import check_output, replace_to, write_by_suffix
     from tetraskel.cli.graph_formats import write_branch_table, write_edges_csv
 
     for name, reason in CURVE_ONLY.items():
@@ -91,8 +98,6 @@ def _extra_writers(chosen: argparse.Namespace) -> dict:
     for path, suffixes, _ in wanted.values():
         if path:
             check_output(path, suffixes)
-    paths = [chosen.output, *(path for path, _, _ in wanted.values() if path)]
-    check_apart(paths, [path for path in (chosen.input, chosen.boundary) if path])
     return {name: replace_to(path, write) for name, (path, _, write) in wanted.items() if path}
 
 
