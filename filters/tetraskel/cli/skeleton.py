@@ -12,7 +12,7 @@ import argparse
 
 from tetraskel.cli.arguments import add_options, values
 from tetraskel.cli.outputs import OutputFile
-from tetraskel.errors import InputError
+from tetraskel.errors import InputError, NoInsideError
 from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
 PORTS = {"points": 1, "sheets": 2}  # of the filter; all else is made from the skeleton
@@ -116,10 +116,21 @@ def _tree(chosen: argparse.Namespace, extras: dict) -> None:
 
 def _curve(chosen: argparse.Namespace, extras: dict) -> None:
     from tetraskel.cli.chain import interior_cells, run_chain
-    from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh
+    from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
 
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
     curve = CurveSkeleton(**values(chosen, CurveOptions), sheets=chosen.sheets is not None)
-    run_chain(chosen, [mesh, *interior_cells(chosen, extract=False), curve])
+    inside = interior_cells(chosen, extract=False) or [InteriorCells(method="all")]  # or the curve would look for it
+    try:
+        run_chain(chosen, [mesh, *inside, curve])
+    except NoInsideError as error:
+        raise InputError(_without_inside(str(error), chosen.inside)) from error
     for name, write in extras.items():
         write(curve.GetOutputDataObject(PORTS.get(name, 0)))
+
+
+def _without_inside(told: str, inside: str) -> str:
+    """What was told of an object without an inside, and the options that may help."""
+    found, others = told.split(";")[0], {"--inside all": "take all of it as inside", "--method tree": "draw the tree"}
+    others.pop(f"--inside {inside}", None)
+    return f"{found}; use " + ", or ".join(f"{flag} to {meaning}" for flag, meaning in others.items()) + "."
