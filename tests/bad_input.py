@@ -133,8 +133,8 @@ ROWS = {
         command="skeleton",
         own={
             "shell": f"expected an object with an inside, got none in {len(RANDOM)} points: they may fill a volume, "
-            "lie on an open surface, or be too sparse; use --inside all to take all of it as inside, or --method tree to "
-            "draw the tree."
+            "lie on an open surface, or be too sparse; use --inside all to take all of it as inside, or --method tree "
+            "to draw the tree."
         },
     ),
     "curve: root": Bad(lambda: tetraskel.draw_curve(square_model(), root=[0.0]), why=NO_OTHERS),

@@ -8,7 +8,7 @@ import pytest
 
 from commands import run
 from tetraskel.cli.completion import commands
-from tetraskel.cli.outputs import InputFile, OutputFile
+from tetraskel.cli.outputs import InputFile, OutputFile, Written
 
 FILES = ("IN", "OUT", "OUTFOLDER", "SKELETON", "SURFACE", "FILE")  # metavars of what names a file
 SUFFIX = {"png": ".png", "html": ".html", "edges": ".csv", "table": ".csv", "pieces": ".vtu"}
@@ -94,3 +94,61 @@ def test_one_of_several_inputs_is_not_written_over_by_the_result_of_another(tmp_
     assert status == 2
     assert "expected an output beside the input" in err
     assert (tmp_path / "precious.csv").read_text().startswith("0,0,0")
+
+
+@pytest.fixture
+def points(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "one.csv").write_text("0,0,0\n1,0,0\n0,1,0\n0,0,1\n1,1,1\n")
+    (tmp_path / "two.csv").write_text("0,0,0\n2,0,0\n0,1,0\n0,0,1\n1,1,1\n")
+    return tmp_path
+
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_who_stops_the_drawing_hears_that_the_result_was_written(points, capsys, monkeypatch, before):
+    if before:
+        (points / "o.vtp").write_text("an old one")
+    monkeypatch.setattr("tetraskel.cli.picture.draw", interrupt)
+    status, _, err = run(capsys, "tree", "one.csv", "o.vtp", "--png", "o.png")
+    assert (status, err) == (130, "tetraskel tree: stopped; o.vtp was written before.\n")
+    assert (points / "o.vtp").read_text().startswith("<?xml")
+
+
+def test_who_stops_the_work_hears_that_an_old_file_is_as_it_was(points, capsys, monkeypatch):
+    (points / "o.vtp").write_text("an old one")
+    monkeypatch.setattr("tetraskel.cli.chain.read", interrupt)
+    assert run(capsys, "tree", "one.csv", "o.vtp")[::2] == (130, "tetraskel tree: stopped; nothing was written.\n")
+
+
+def test_results_of_inputs_before_are_told_too(points, capsys, monkeypatch):
+    from tetraskel.cli import chain
+
+    reading = chain.read
+    monkeypatch.setattr(chain, "read", lambda path: interrupt() if path == "two.csv" else reading(path))
+    (points / "out").mkdir()
+    status, _, err = run(capsys, "tree", "one.csv", "two.csv", "out")
+    assert (status, err) == (130, "tetraskel tree: stopped; out/one.vtp was written before.\n")
+
+
+def test_files_of_a_folder_that_were_written_are_told(points):
+    from argparse import Namespace
+
+    (points / "out").mkdir()
+    written = Written([Namespace(output=OutputFile("out"))])
+    assert written.told() == "nothing was written"
+    (points / "out" / "table.md").write_text("a table")
+    assert written.told() == "out was written before"
+
+
+def test_many_files_are_counted(points):
+    from argparse import Namespace
+
+    names = [f"{k}.vtp" for k in range(5)]
+    written = Written([Namespace(output=OutputFile(name)) for name in names])
+    for name in names:
+        (points / name).write_text("new")
+    assert written.told() == "0.vtp, 1.vtp, 2.vtp and 2 more were written before"

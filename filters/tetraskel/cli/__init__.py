@@ -21,7 +21,7 @@ from tetraskel.cli import (
     view,
     voronoi,
 )
-from tetraskel.cli.outputs import check_apart, inputs_of, outputs_of
+from tetraskel.cli.outputs import Written, check_apart, inputs_of, outputs_of
 from tetraskel.cli.several import jobs
 from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, shorten, told
 from tetraskel.errors import TetraskelError
@@ -55,8 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser().parse_args(arguments)
     status = 0
     try:
-        for job in jobs(chosen):
-            status = max(status, _run(job))
+        calls = jobs(chosen)
+        written = Written(calls)
+        for job in calls:
+            status = max(status, _run(job, written))
             if status == INTERRUPTED:
                 break
     except TetraskelError as error:
@@ -64,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _run(chosen: argparse.Namespace) -> int:
+def _run(chosen: argparse.Namespace, written: Written) -> int:
     try:
         check_apart(outputs_of(chosen), inputs_of(chosen))
         COMMANDS[chosen.command].run(chosen)
@@ -74,7 +76,7 @@ def _run(chosen: argparse.Namespace) -> int:
     except (TetraskelError, OSError) as error:
         return _failed(chosen, error)
     except KeyboardInterrupt:
-        print(f"tetraskel {chosen.command}: stopped; nothing was written.", file=sys.stderr)
+        print(f"tetraskel {chosen.command}: stopped; {written.told()}.", file=sys.stderr)
         return INTERRUPTED
     return 0
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from tetraskel.errors import InputError
 
 STANDARD_INPUT = "-"
+FEW = 3  # files named in a line
 
 
 class InputFile(str):
@@ -46,3 +47,27 @@ def check_apart(outputs: Sequence[str], inputs: Sequence[str]) -> None:
 def _is_same(first: str, second: str) -> bool:
     a, b = Path(first), Path(second)
     return a.resolve() == b.resolve() or (a.exists() and b.exists() and a.samefile(b))
+
+
+class Written:
+    """Which of the outputs of some calls have been written since this was made."""
+
+    def __init__(self, calls: Sequence[argparse.Namespace]) -> None:
+        self._before = {path: _mark(path) for call in calls for path in outputs_of(call)}
+
+    def told(self) -> str:
+        """The end of a sentence about work that was stopped."""
+        paths = [path for path, before in self._before.items() if _mark(path) != before]
+        if not paths:
+            return "nothing was written"
+        more = f" and {len(paths) - FEW} more" if len(paths) > FEW else ""
+        verb = "was" if len(paths) == 1 else "were"
+        return f"{', '.join(map(str, paths[:FEW]))}{more} {verb} written before"
+
+
+def _mark(path: str) -> dict[str, tuple[int, int]]:
+    """What changes when a file, or one in a folder, is written: a file moved to its place is another one."""
+    place = Path(path)
+    files = place.iterdir() if place.is_dir() else [place] if place.exists() else []
+    stats = {str(file): file.stat() for file in files}
+    return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
