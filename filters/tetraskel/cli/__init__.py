@@ -23,7 +23,7 @@ from tetraskel.cli import (
 )
 from tetraskel.cli.outputs import Written, check_apart, inputs_of, outputs_of
 from tetraskel.cli.several import jobs
-from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, shorten, told
+from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, given, shorten, told
 from tetraskel.errors import TetraskelError
 
 COMMANDS = {
@@ -52,7 +52,9 @@ line that says what was expected, what came and what to do."""
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0 on success, 2 and one line on standard error for bad usage or bad input."""
-    chosen = parser().parse_args(arguments)
+    known = parser()
+    chosen = known.parse_args(arguments)
+    chosen.given = given(known, arguments)
     status = 0
     try:
         calls = jobs(chosen)

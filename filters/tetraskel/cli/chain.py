@@ -11,7 +11,7 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, refuse, values
 from tetraskel.cli.drawings import check_drawings, draw_all
 from tetraskel.cli.files import read, writer_for
 from tetraskel.cli.outputs import InputFile, OutputFile
@@ -46,14 +46,24 @@ def add_inside(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def inside_options(chosen: argparse.Namespace) -> dict:
+    """The values of the options of inside and outside, checked."""
+    if chosen.inside not in ("surface", "outline"):
+        refuse(chosen, ["boundary"], "--inside surface or outline", "--inside {inside}")
+    if chosen.inside != "array":
+        refuse(chosen, ["label_array"], "--inside array", "--inside {inside}")
+    return values(chosen, InteriorOptions)
+
+
 def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[SkeletonFilter]:
     """The filter that marks the inside, or keeps it alone; none where everything is inside.
 
     Most skeletons need the whole mesh: circumcentres of outer simplices may lie inside.
     """
+    options = inside_options(chosen)
     if chosen.inside == "all":
         return []
-    step = InteriorCells(**values(chosen, InteriorOptions), label_array=chosen.label_array, extract=extract)
+    step = InteriorCells(**options, label_array=chosen.label_array, extract=extract)
     if chosen.inside in ("surface", "outline"):
         if not chosen.boundary:
             raise InputError(f"expected --boundary FILE with --inside {chosen.inside}, got none.")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_options, values
+from tetraskel.cli.arguments import add_options, names_of, refuse, values
 from tetraskel.cli.outputs import OutputFile
 from tetraskel.errors import InputError, NoInsideError
 from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
@@ -63,12 +63,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
+    from tetraskel.cli.chain import inside_options
+
     if chosen.inside is None:
         chosen.inside = "gates" if chosen.method == "curve" else "all"
     if chosen.denoise is None:
         chosen.denoise = CurveOptions.denoise if chosen.method == "curve" else DelaunayOptions.denoise
     for options in (CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions):
         values(chosen, options)  # a wrong value is told, whether this method uses it or not
+    inside_options(chosen)
+    _expect_of_use(chosen)
     extras = _extra_writers(chosen)
     if chosen.blocks is not None:
         from tetraskel.cli.blocks import run_in_blocks
@@ -78,6 +82,18 @@ def run(chosen: argparse.Namespace) -> None:
         _tree(chosen, extras)
     else:
         _curve(chosen, extras)
+
+
+def _expect_of_use(chosen: argparse.Namespace) -> None:
+    """Raise `InputError` for options of the other method, and for one of sheets that are not asked for."""
+    if chosen.method == "tree":
+        shared = names_of(DelaunayOptions)
+        curve = [name for name in names_of(CurveOptions) if name not in shared]
+        refuse(chosen, curve, "--method curve", "--method tree")
+    else:
+        refuse(chosen, names_of(TreeOptions, FlatOptions, SkeletonOptions), "--method tree", "--method curve")
+        if not chosen.sheets:
+            refuse(chosen, ["sheet_angle"], "--sheets", "none")
 
 
 def _extra_writers(chosen: argparse.Namespace) -> dict:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 BAD_USAGE = 2
 
@@ -50,3 +50,17 @@ def shorten(parser: argparse.ArgumentParser) -> None:
     places = [action for action in parser._actions if not action.option_strings]
     words = [f"{place.metavar} [{place.metavar} ...]" if place.nargs == "+" else place.metavar for place in places]
     parser.usage = " ".join(["%(prog)s", *words, "[options]"])
+
+
+def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Every command with its parser."""
+    return next(action.choices for action in parser._actions if isinstance(action.choices, dict))
+
+
+def given(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> frozenset[str]:
+    """Names of what stands in the arguments, which can be parsed; the parser loses its defaults."""
+    for command in commands_of(parser).values():
+        command._defaults.clear()
+        for action in command._actions:
+            action.default = argparse.SUPPRESS
+    return frozenset(vars(parser.parse_args(arguments)))
