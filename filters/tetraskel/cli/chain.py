@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
 from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, refuse, values
 from tetraskel.cli.drawings import check_drawings, draw_all
-from tetraskel.cli.files import read, writer_for
+from tetraskel.cli.files import read, read_points, writer_for
 from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
@@ -77,7 +77,7 @@ def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[Skeleto
 def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> None:
     """Read, run, write, draw; the first filter is left out when the input is a mesh already."""
     write = prepared(chosen)
-    source = read(chosen.input)
+    source = read_points(chosen.input)
     steps = steps_for(chosen, source, filters)
     finish(chosen, source, run_filters(source, steps), write, from_cells=len(steps) < len(filters))
 

@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
     from tetraskel.cli.comparison_files import Judged, checked_folder, found, write_all
-    from tetraskel.cli.files import read
+    from tetraskel.cli.files import read_points
     from tetraskel.comparison import chosen_methods, compare
     from tetraskel.vtkfilters.progress import ProgressLine
 
@@ -57,7 +57,7 @@ def run(chosen: argparse.Namespace) -> None:
     values(chosen, DelaunayOptions)
     names = chosen_methods(options["methods"])
     folder = checked_folder(chosen.output, names, inputs_of(chosen))
-    source = read(chosen.input)
+    source = read_points(chosen.input)
     surface = _surface(chosen.surface) if chosen.surface else None
     mesh, inside = _object(chosen, source)
     if surface is not None and mesh.dim == 2:

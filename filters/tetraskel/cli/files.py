@@ -44,6 +44,26 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
     return _data_of(read_table(file)) if file.suffix.lower() in TABLES else _read_data_set(file, images)
 
 
+def read_points(path: str, *, images: bool = False) -> vtkPointSet:
+    """What a result is to be made from; see `read`.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or has no points: a result of nothing would look like one.
+    """
+    data = read(path, images=images)
+    expect_points(data.GetNumberOfPoints(), path)
+    return data
+
+
+def expect_points(n_points: int, path: str) -> None:
+    """Raise `InputError` when there are none."""
+    if n_points == 0:
+        name = "from standard input" if path == STANDARD_INPUT else f"in {str(path)!r}"
+        raise InputError(f"expected points {name}, got none.")
+
+
 def expect_file(path: str) -> Path:
     """The path of a file that is there and has a suffix we know.
 
