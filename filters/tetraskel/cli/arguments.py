@@ -20,7 +20,9 @@ def add_input(parser: argparse.ArgumentParser, kinds: str) -> None:
 
 def add_json(parser: argparse.ArgumentParser) -> None:
     """The summary for scripts."""
-    parser.add_argument("--json", action="store_true", help="print what was done as a line of JSON")
+    several = any(action.nargs == "+" for action in parser._actions)
+    each = ", one for each input" if several else ""
+    parser.add_argument("--json", action="store_true", help=f"print what was done as a line of JSON{each}")
 
 
 def add_points_only(parser: argparse.ArgumentParser) -> None:
