@@ -119,6 +119,7 @@ def _along(skeleton: Skeleton, surface: Surface, tick: Tick) -> tuple[float, flo
     near = np.sqrt((away**2).sum(axis=1))
     ways = away / np.maximum(near, 1e-300)[:, None]
     far, _ = first_hits(surface, places, ways, 1e-9 * near)
+    tick(1.0)
     value = np.where(np.isfinite(far), 2 * near / (near + np.minimum(far, 1e300)), 0.0)
     return share, float((weights * value).sum() / weights.sum())
 
