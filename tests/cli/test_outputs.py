@@ -120,15 +120,15 @@ def test_who_stops_the_drawing_hears_that_the_result_was_written(points, capsys,
 
 def test_who_stops_the_work_hears_that_an_old_file_is_as_it_was(points, capsys, monkeypatch):
     (points / "o.vtp").write_text("an old one")
-    monkeypatch.setattr("tetraskel.cli.chain.read", interrupt)
+    monkeypatch.setattr("tetraskel.cli.chain.read_points", interrupt)
     assert run(capsys, "tree", "one.csv", "o.vtp")[::2] == (130, "tetraskel tree: stopped; nothing was written.\n")
 
 
 def test_results_of_inputs_before_are_told_too(points, capsys, monkeypatch):
     from tetraskel.cli import chain
 
-    reading = chain.read
-    monkeypatch.setattr(chain, "read", lambda path: interrupt() if path == "two.csv" else reading(path))
+    reading = chain.read_points
+    monkeypatch.setattr(chain, "read_points", lambda path: interrupt() if path == "two.csv" else reading(path))
     (points / "out").mkdir()
     status, _, err = run(capsys, "tree", "one.csv", "two.csv", "out")
     assert (status, err) == (130, "tetraskel tree: stopped; out/one.vtp was written before.\n")
