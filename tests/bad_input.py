@@ -127,7 +127,15 @@ ROWS = {
     "outline: crossing": outline_row(0.5 * SQUARE + 0.2, [[0, 2], [2, 1], [1, 3], [3, 0]]),
     "outline: two coordinates": Bad(lambda: outline.checked_outline(mesh_of(), SQUARE, [[0, 1]]), why=NO_OTHERS),
     "curve: fills a volume": Bad(
-        lambda: tetraskel.curve_skeleton(RANDOM), lambda: cloud(RANDOM), "CurveSkeleton", command="skeleton"
+        lambda: tetraskel.curve_skeleton(RANDOM),
+        lambda: cloud(RANDOM),
+        "CurveSkeleton",
+        command="skeleton",
+        own={
+            "shell": f"expected an object with an inside, got none in {len(RANDOM)} points: they may fill a volume, "
+            "lie on an open surface, or be too sparse; use --inside all to take all of it as inside, or --method tree "
+            "to draw the tree."
+        },
     ),
     "curve: root": Bad(lambda: tetraskel.draw_curve(square_model(), root=[0.0]), why=NO_OTHERS),
     "voronoi: nothing inside": nothing_inside(tetraskel.voronoi_skeleton, "VoronoiSkeleton", "voronoi --inside all"),

@@ -9,6 +9,10 @@ class InputError(TetraskelError, ValueError):
     """Points, options or files that cannot be used as they are."""
 
 
+class NoInsideError(InputError):
+    """An object was to be drawn, and nothing lies inside."""
+
+
 class MeshError(InputError):
     """A mesh whose cells do not form a triangulation this package can walk."""
 

@@ -154,6 +154,9 @@ BROKEN = {
     "few.csv": "x,y,z\n0,0,0\n",
     "nan.csv": "0,0,0\nnan,1,1\n",
     "comma.csv": "x;y;z\n13,4;84,7;76,4\n",
+    "bob.csv": "x,y,z\n1,2,3\n1,bob,3\n",
+    "first.csv": "0,5;0;0\n1;0;0\n0;1;0\n0;0;1\n",
+    "blanks.xyz": "1 2 3\n-1,5 2 3\n",
     "wide.csv": "1,2,3,4,5\n",
     "named.csv": "id,Points:0,Points:1,height\n0,1,2,3\n",
     "other.csv": "a,b,c,d\n0,1,2,3\n",
@@ -166,7 +169,8 @@ BROKEN = {
 }
 WRONG = [
     (["tree", "missing.csv", "o.vtp"], "expected a file to read, got 'missing.csv', which does not exist"),
-    (["tree", "words.csv", "o.vtp"], "expected numbers in line 2 of 'words.csv'"),
+    (["tree", "words.csv", "o.vtp"], "expected numbers in line 2 of 'words.csv', got 'four'."),
+    (["tree", "bob.csv", "o.vtp"], "expected numbers in line 3 of 'bob.csv', got 'bob'."),
     (["tree", "ragged.csv", "o.vtp"], "expected 3 cells in each line of 'ragged.csv', got 2 in line 2"),
     (["tree", "one.xyz", "o.vtp"], "two or three columns"),
     (["tree", "line.csv", "o.vtp"], "3 points on one line"),
@@ -178,7 +182,13 @@ WRONG = [
     (["tree", "broken.obj", "o.vtp"], "expected points in 'broken.obj', got none"),
     (["tree", "broken.stl", "o.vtp"], "broken.stl"),
     (["tree", "broken.ply", "o.vtp"], "broken.ply"),
-    (["tree", "comma.csv", "o.vtp"], "expected numbers in line 2 of 'comma.csv'"),
+    (["tree", "comma.csv", "o.vtp"], "decimal points in line 2 of 'comma.csv', got '13,4'; write '13.4'."),
+    (["tree", "first.csv", "o.vtp"], "decimal points in line 1 of 'first.csv', got '0,5'; write '0.5'."),
+    (["tree", "blanks.xyz", "o.vtp"], "decimal points in line 2 of 'blanks.xyz', got '-1,5'; write '-1.5'."),
+    (
+        ["skeleton", "first.csv", "o.vtp", "--method", "tree", "--blocks"],
+        "decimal points in line 1 of 'first.csv', got '0,5'; write '0.5'.",
+    ),
     (["tree", "wide.csv", "o.vtp"], "or a header that names x, y and z, got 5 columns"),
     (["tree", "other.csv", "o.vtp"], "got 4 columns named a, b, c, d"),
     (["tree", "line.csv", "o.vtp", "--png", "o.jpg"], "expected an output file ending in .png, got 'o.jpg'"),
@@ -196,7 +206,14 @@ WRONG = [
     (["skeleton", "line.csv", "o.vtp", "--threshold", "x"], "invalid float value"),
     (["tree", "line.csv", "o.vtp", "--traversal", "up"], "invalid choice: 'up'"),
     (["tree", "line.csv"], "the following arguments are required: OUT"),
-    (["dance"], "invalid choice: 'dance'"),
+    (["dance"], "invalid choice: 'dance', expected one of skeleton, tree, "),
+    (["skelton", "a", "b"], "; did you mean skeleton? (see tetraskel --help)."),
+    (
+        ["skeleton", "line.csv", "o.vtp", "--detial", "0.3"],
+        "unrecognized arguments: --detial 0.3; did you mean --detail? (see tetraskel skeleton --help).",
+    ),
+    (["tree", "line.csv", "o.vtp", "--jsn=1"], "--jsn=1; did you mean --json? (see tetraskel tree --help)."),
+    (["tree", "line.csv", "o.vtp", "--qwerty"], "arguments: --qwerty (see tetraskel tree --help)."),
     ([], "required: COMMAND"),
 ]
 

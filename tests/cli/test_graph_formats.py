@@ -12,6 +12,7 @@ import pyvista
 from paths import SAMPLES
 from tetraskel import curve_model, curve_skeleton, medial_mesh, triangulate
 from tetraskel.cli import main
+from tetraskel.vtkfilters.progress import ProgressLine
 
 GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
 
@@ -130,13 +131,20 @@ def test_the_paper_s_skeleton_is_a_method(tmp_path):
     assert main(["skeleton", str(SAMPLES / "y_tube.vtp"), str(tmp_path / "t.swc"), "--method", "tree"]) == 0
 
 
-def test_measure_prints_a_table_and_json(tmp_path, capsys):
+def test_measure_prints_a_table_and_json(tmp_path, capsys, monkeypatch):
     torus = pyvista.ParametricTorus(ringradius=1, crosssectionradius=0.35, u_res=40, v_res=30).triangulate()
     torus.save(tmp_path / "torus.ply")
     skeleton = written("torus", tmp_path / "s.vtp")
     capsys.readouterr()
+    shown = []
+    monkeypatch.setattr(ProgressLine, "show", lambda _, stage, share: shown.append((stage, share)))
     assert main(["measure", str(skeleton), str(tmp_path / "torus.ply"), "--json"]) == 0
-    numbers = json.loads(capsys.readouterr().out)
+    out = capsys.readouterr().out
+    numbers = json.loads(out)
+    assert out.count("\n") == 1
+    assert shown == [("Measuring", share) for share in sorted(share for _, share in shown)]
+    assert len(shown) > 3
+    assert shown[-1] == ("Measuring", 1.0)
     assert numbers["loops"] == 1
     assert numbers["inside"] == 1
     assert numbers["centredness"] > 0.9
@@ -157,6 +165,10 @@ def test_measure_prints_a_table_and_json(tmp_path, capsys):
         (["skeleton", "in.csv", "o.vtp", "--sheet-angle", "200"], "sheet_angle must lie between 0 and 180; got 200"),
         (["skeleton", "in.csv", "o.vtp", "--edges", "e.txt"], "expected an output file ending in .csv"),
         (["skeleton", "in.csv", "o.vtp", "--detail", "2"], "detail must lie between 0 and 1; got 2"),
+        (
+            ["measure", "line.vtp", "in.csv"],
+            "expected the closed surface of the object in 'in.csv', got 50 points and no faces; give a mesh",
+        ),
         (["measure", "in.csv", "in.csv"], "expected lines with the point array MaximumInscribedSphereRadius"),
         (["skeleton", "in.csv", "o.vtp"], "expected an object with an inside, got none in 50 points"),
         (["skeleton", "three.csv", "o.vtp"], "expected an object with an inside, got none in 3 points"),
@@ -170,6 +182,9 @@ def test_bad_use_is_one_line(tmp_path, capsys, monkeypatch, arguments, message):
     flat = cloud * [1, 1, 0]
     for name, points in {"in": cloud, "flat": flat, "three": np.eye(3), "four": np.eye(4)[:, :3]}.items():
         np.savetxt(f"{name}.csv", points, delimiter=",")
+    line = pyvista.Line()
+    line["MaximumInscribedSphereRadius"] = np.ones(line.n_points)
+    line.save("line.vtp")
     assert main(arguments) == 2
     told = capsys.readouterr().err.splitlines()
     assert message in told[-1]

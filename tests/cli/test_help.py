@@ -126,5 +126,11 @@ def test_progress_is_drawn_on_a_terminal_and_not_in_a_pipe(tmp_path):
     assert "\r" not in piped.stdout
 
 
+@pytest.mark.parametrize("name", ["skeleton", "surface", "compare"])
+def test_the_help_says_how_many_lines_of_json_come(capsys, name):
+    told = " ".join(help_of(capsys, name).split())
+    assert ("as a line of JSON, one for each input" in told) == (name != "compare")
+
+
 def test_the_parser_is_made_anew_each_time():
     assert parser().format_help() == parser().format_help()

@@ -140,7 +140,7 @@ def test_curves_are_written_as_skeletons(tmp_path, capsys, branching, suffix):
     ("arguments", "message"),
     [
         (["in.swc", "o.stl"], "expected an output file ending in .vtp"),
-        (["in.swc", "o.vtp", "--pieces", "o.vtp"], "ending in .vtu"),
+        (["in.swc", "o.vtp", "--pieces", "curves.vtp"], "ending in .vtu"),
         (["in.swc", "o.vtp", "--tolerance", "2"], "tolerance must lie between"),
         (["in.swc", "o.vtp"], "in.swc"),
     ],

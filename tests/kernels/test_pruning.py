@@ -46,9 +46,9 @@ def pruned_plainly(parent: Ints, balls: Balls, tips: Ints, diagonal: float) -> t
     while left:
         values = []
         for tip in left:
-            others = {node for other in left if other != tip for node in way(parent, other)} | {0}
+            covered = {node for other in left if other != tip for node in way(parent, other)} | {0}
             exposure = Exposure(balls, np.array([tip]))
-            for node in sorted(others):
+            for node in sorted(covered):
                 exposure.cover(np.array([node]))
             exposure.alone[0] = min(
                 [apart(parent, balls, tip, other) for other in left if other != tip], default=np.inf

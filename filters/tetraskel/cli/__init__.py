@@ -21,8 +21,9 @@ from tetraskel.cli import (
     view,
     voronoi,
 )
+from tetraskel.cli.outputs import Written, check_apart, inputs_of, outputs_of
 from tetraskel.cli.several import jobs
-from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, shorten, told
+from tetraskel.cli.usage import BAD_USAGE, HelpForm, Parser, given, shorten, told
 from tetraskel.errors import TetraskelError
 
 COMMANDS = {
@@ -51,11 +52,15 @@ line that says what was expected, what came and what to do."""
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0 on success, 2 and one line on standard error for bad usage or bad input."""
-    chosen = parser().parse_args(arguments)
+    known = parser()
+    chosen = known.parse_args(arguments)
+    chosen.given = given(known, arguments)
     status = 0
     try:
-        for job in jobs(chosen):
-            status = max(status, _run(job))
+        calls = jobs(chosen)
+        written = Written(calls)
+        for job in calls:
+            status = max(status, _run(job, written))
             if status == INTERRUPTED:
                 break
     except TetraskelError as error:
@@ -63,8 +68,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _run(chosen: argparse.Namespace) -> int:
+def _run(chosen: argparse.Namespace, written: Written) -> int:
     try:
+        check_apart(outputs_of(chosen), inputs_of(chosen))
         COMMANDS[chosen.command].run(chosen)
         sys.stdout.flush()
     except BrokenPipeError:  # who read our output has enough
@@ -72,7 +78,7 @@ def _run(chosen: argparse.Namespace) -> int:
     except (TetraskelError, OSError) as error:
         return _failed(chosen, error)
     except KeyboardInterrupt:
-        print(f"tetraskel {chosen.command}: stopped; nothing was written.", file=sys.stderr)
+        print(f"tetraskel {chosen.command}: stopped; {written.told()}.", file=sys.stderr)
         return INTERRUPTED
     return 0
 

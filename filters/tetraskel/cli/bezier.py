@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
+from tetraskel.cli.outputs import OutputFile
 from tetraskel.options import BezierOptions
 
 EXAMPLES = (
@@ -19,8 +20,12 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel bezier` takes."""
     add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
-    parser.add_argument("output", metavar="OUT", help="sampled lines: .vtp .vtk .swc .graphml .ply .csv")
-    parser.add_argument("--pieces", metavar="FILE", help="also write the exact curves as Bezier cells, .vtu")
+    parser.add_argument(
+        "output", metavar="OUT", type=OutputFile, help="sampled lines: .vtp .vtk .swc .graphml .ply .csv"
+    )
+    parser.add_argument(
+        "--pieces", metavar="FILE", type=OutputFile, help="also write the exact curves as Bezier cells, .vtu"
+    )
     add_json(parser)
     add_drawings(parser)
     add_options(parser, BezierOptions)

@@ -9,7 +9,7 @@ from pathlib import Path
 from tetraskel.cli.arguments import values
 from tetraskel.cli.chain import prepared, summary_of, tell_counts
 from tetraskel.cli.drawings import draw_all
-from tetraskel.cli.files import read, replace_file
+from tetraskel.cli.files import expect_points, read, replace_file
 from tetraskel.distributed.blockwise import POINTS_PER_BLOCK, BlockOptions, blocks_for, skeleton_in_blocks
 from tetraskel.errors import InputError
 from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
@@ -43,6 +43,7 @@ def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
     prepared(chosen)
     folder = Path(chosen.output).resolve().parent
     points = mapped_points(chosen.input, folder, points_only=chosen.points_only)
+    expect_points(len(points), chosen.input)
     n_blocks = chosen.blocks or blocks_for(len(points))
     options = BlockOptions(**{k: v for one in STAGES for k, v in values(chosen, one).items() if k != "traversal"})
     with ProgressLine() as line:

@@ -11,9 +11,10 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, values
+from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, refuse, values
 from tetraskel.cli.drawings import check_drawings, draw_all
-from tetraskel.cli.files import read, writer_for
+from tetraskel.cli.files import read, read_points, writer_for
+from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.errors import InputError
 from tetraskel.options import InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
@@ -24,7 +25,9 @@ from tetraskel.vtkfilters.progress import ProgressLine
 def add_files(parser: argparse.ArgumentParser) -> None:
     """IN, OUT and what goes with them."""
     add_input(parser, "points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy, or - for a table from a pipe")
-    parser.add_argument("output", metavar="OUT", help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)")
+    parser.add_argument(
+        "output", metavar="OUT", type=OutputFile, help="result: .vtp .vtk .swc .graphml .ply .csv (a row per node)"
+    )
     add_drawings(parser)
     add_json(parser)
     add_points_only(parser)
@@ -35,10 +38,21 @@ def add_inside(parser: argparse.ArgumentParser) -> None:
     add_options(parser, InteriorOptions)
     parser.set_defaults(inside="all")
     group = parser.add_argument_group("For --inside surface, outline and array")
-    group.add_argument("--boundary", metavar="FILE", help="the closed surface, or the closed lines of the outline")
+    group.add_argument(
+        "--boundary", metavar="FILE", type=InputFile, help="the closed surface, or the closed lines of the outline"
+    )
     group.add_argument(
         "--label-array", metavar="NAME", default=InteriorCellsOptions.label_array, help="cell array, not 0 inside"
     )
+
+
+def inside_options(chosen: argparse.Namespace) -> dict:
+    """The values of the options of inside and outside, checked."""
+    if chosen.inside not in ("surface", "outline"):
+        refuse(chosen, ["boundary"], "--inside surface or outline", "--inside {inside}")
+    if chosen.inside != "array":
+        refuse(chosen, ["label_array"], "--inside array", "--inside {inside}")
+    return values(chosen, InteriorOptions)
 
 
 def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[SkeletonFilter]:
@@ -46,9 +60,10 @@ def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[Skeleto
 
     Most skeletons need the whole mesh: circumcentres of outer simplices may lie inside.
     """
+    options = inside_options(chosen)
     if chosen.inside == "all":
         return []
-    step = InteriorCells(**values(chosen, InteriorOptions), label_array=chosen.label_array, extract=extract)
+    step = InteriorCells(**options, label_array=chosen.label_array, extract=extract)
     if chosen.inside in ("surface", "outline"):
         if not chosen.boundary:
             raise InputError(f"expected --boundary FILE with --inside {chosen.inside}, got none.")
@@ -62,7 +77,7 @@ def interior_cells(chosen: argparse.Namespace, *, extract: bool) -> list[Skeleto
 def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> None:
     """Read, run, write, draw; the first filter is left out when the input is a mesh already."""
     write = prepared(chosen)
-    source = read(chosen.input)
+    source = read_points(chosen.input)
     steps = steps_for(chosen, source, filters)
     finish(chosen, source, run_filters(source, steps), write, from_cells=len(steps) < len(filters))
 
@@ -80,7 +95,7 @@ def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callabl
     `writers` by suffix, where a command has others than most.
     """
     check_drawings(chosen)
-    return writer_for(chosen.output, chosen.input, writers)
+    return writer_for(chosen.output, writers)
 
 
 def written(

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from tetraskel.cli.arguments import add_json, add_options, add_points_only, values
+from tetraskel.cli.outputs import InputFile, OutputFile, inputs_of
 from tetraskel.errors import InputError
 from tetraskel.options import CompareOptions, CurveOptions, DelaunayOptions
 
@@ -28,9 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel compare` takes."""
     from tetraskel.cli.chain import add_inside
 
-    parser.add_argument("input", metavar="IN", help="points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy")
-    parser.add_argument("output", metavar="OUTFOLDER", help="folder for the table, pictures and skeletons")
-    parser.add_argument("--surface", metavar="FILE", help="closed surface, or in the plane closed lines, to judge by")
+    parser.add_argument(
+        "input", metavar="IN", type=InputFile, help="points: .vtp .vtu .vtk .vti .ply .obj .stl .csv .xyz .txt .npy"
+    )
+    parser.add_argument(
+        "output", metavar="OUTFOLDER", type=OutputFile, help="folder for the table, pictures and skeletons"
+    )
+    parser.add_argument(
+        "--surface", metavar="FILE", type=InputFile, help="closed surface, or in the plane closed lines, to judge by"
+    )
     add_points_only(parser)
     add_json(parser)
     add_options(parser, CompareOptions)
@@ -42,15 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> None:
     """Draw, measure, and write all."""
     from tetraskel.cli.comparison_files import Judged, checked_folder, found, write_all
-    from tetraskel.cli.files import read
+    from tetraskel.cli.files import read_points
     from tetraskel.comparison import chosen_methods, compare
     from tetraskel.vtkfilters.progress import ProgressLine
 
     options = values(chosen, CompareOptions)
     values(chosen, DelaunayOptions)
     names = chosen_methods(options["methods"])
-    folder = checked_folder(chosen.output, names, [chosen.input, chosen.surface, chosen.boundary])
-    source = read(chosen.input)
+    folder = checked_folder(chosen.output, names, inputs_of(chosen))
+    source = read_points(chosen.input)
     surface = _surface(chosen.surface) if chosen.surface else None
     mesh, inside = _object(chosen, source)
     if surface is not None and mesh.dim == 2:

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from tetraskel.cli.comparison_pictures import draw_each, draw_overview
-from tetraskel.cli.files import check_apart, check_output, replace_file, write_by_suffix
+from tetraskel.cli.files import check_output, replace_file, write_by_suffix
+from tetraskel.cli.outputs import check_apart
 from tetraskel.comparison import Row
 from tetraskel.errors import InputError
 from tetraskel.kernels.drawn_measures import MEASURES
@@ -53,7 +54,7 @@ class Judged:
         return f"the boundary of the object's inside, found from the points ({len(self.boundary.facets):,} {kind})"
 
 
-def checked_folder(path: str, methods: Sequence[str], inputs: Sequence[str | None]) -> Path:
+def checked_folder(path: str, methods: Sequence[str], inputs: Sequence[str]) -> Path:
     """The folder to write into, after all that can be wrong with it has been looked at; nothing is made yet.
 
     Raises
@@ -70,7 +71,7 @@ def checked_folder(path: str, methods: Sequence[str], inputs: Sequence[str | Non
     if not os.access(above, os.W_OK):
         raise InputError(f"expected a folder to write into, got {path!r}, which is read-only.")
     files = [folder / name for name in (*TABLES, *(name + end for name in methods for end in (".png", ".vtp")))]
-    check_apart([str(file) for file in files], [name for name in inputs if name])
+    check_apart([str(file) for file in files], inputs)
     if folder.exists():
         for file in files:
             check_output(str(file), (file.suffix,))

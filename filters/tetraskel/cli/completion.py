@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import argparse
 
+from tetraskel.cli.usage import commands_of
+
 SHELLS = ("bash", "zsh", "fish")
 EXAMPLES = (
     ("For bash, in ~/.bashrc:", 'completion bash   # eval "$(tetraskel completion bash)"'),
@@ -29,7 +31,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
     """Every command with its parser."""
     from tetraskel.cli import parser
 
-    return next(action.choices for action in parser()._actions if isinstance(action.choices, dict))
+    return commands_of(parser())
 
 
 def options(command: argparse.ArgumentParser) -> list[argparse.Action]:

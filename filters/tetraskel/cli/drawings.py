@@ -7,18 +7,16 @@ from pathlib import Path
 
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.files import check_apart, check_output, replace_file
+from tetraskel.cli.files import check_output, replace_file
 
 SUFFIXES = {"png": (".png",), "html": (".html", ".htm")}
 
 
 def check_drawings(chosen: argparse.Namespace) -> None:
     """Raise `InputError` when a drawing could not be written, before any work is done."""
-    wanted = [path for kind in SUFFIXES if (path := getattr(chosen, kind))]
     for kind, suffixes in SUFFIXES.items():
         if getattr(chosen, kind):
             check_output(getattr(chosen, kind), suffixes)
-    check_apart(wanted, [chosen.input])
 
 
 def draw_all(chosen: argparse.Namespace, source: vtkPointSet, result: vtkPolyData) -> None:

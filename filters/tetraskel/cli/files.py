@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -16,8 +16,8 @@ from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData, vtkUnstructu
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from tetraskel.cli.arguments import STANDARD_INPUT
 from tetraskel.cli.graph_formats import write_csv, write_graphml, write_ply, write_swc
+from tetraskel.cli.outputs import STANDARD_INPUT
 from tetraskel.cli.tables import read_standard_input, read_table
 from tetraskel.cli.trial import try_to_read
 from tetraskel.errors import InputError
@@ -42,6 +42,26 @@ def read(path: str, *, images: bool = False) -> vtkPointSet:
         return _data_of(read_standard_input())
     file = expect_file(path)
     return _data_of(read_table(file)) if file.suffix.lower() in TABLES else _read_data_set(file, images)
+
+
+def read_points(path: str, *, images: bool = False) -> vtkPointSet:
+    """What a result is to be made from; see `read`.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or has no points: a result of nothing would look like one.
+    """
+    data = read(path, images=images)
+    expect_points(data.GetNumberOfPoints(), path)
+    return data
+
+
+def expect_points(n_points: int, path: str) -> None:
+    """Raise `InputError` when there are none."""
+    if n_points == 0:
+        name = "from standard input" if path == STANDARD_INPUT else f"in {str(path)!r}"
+        raise InputError(f"expected points {name}, got none.")
 
 
 def expect_file(path: str) -> Path:
@@ -135,17 +155,16 @@ def _data_of(table: tuple[np.ndarray, dict[str, np.ndarray]]) -> vtkPolyData:
     return data
 
 
-def writer_for(path: str, source: str, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
+def writer_for(path: str, writers: dict | None = None) -> Callable[[vtkPolyData], None]:
     """What writes polygonal data to `path`, with one of `writers` by suffix; asked for before any work is done.
 
     Raises
     ------
     InputError
-        When the suffix is unknown, the file cannot be written, or is the `source` itself.
+        When the suffix is unknown or the file cannot be written.
     """
     writers = WRITERS if writers is None else writers
     check_output(path, tuple(writers))
-    check_apart([path], [source])
     return replace_to(path, writers[Path(path).suffix.lower()])
 
 
@@ -160,20 +179,6 @@ def check_output(path: str, suffixes: tuple[str, ...]) -> None:
         raise InputError(f"expected a file to write, got {path!r}, which is a folder.")
     if not os.access(file if file.exists() else file.resolve().parent, os.W_OK):
         raise InputError(f"expected a place to write to, got {path!r}, which is read-only.")
-
-
-def check_apart(outputs: Sequence[str], inputs: Sequence[str]) -> None:
-    """Raise `InputError` when an output would be written over an input, or two outputs into one file."""
-    for k, path in enumerate(outputs):
-        if any(_is_same(path, other) for other in inputs):
-            raise InputError(f"expected an output beside the input, got {path!r} for both.")
-        if any(_is_same(path, other) for other in outputs[:k]):
-            raise InputError(f"expected a file for each output, got {path!r} for two.")
-
-
-def _is_same(first: str, second: str) -> bool:
-    a, b = Path(first), Path(second)
-    return a.resolve() == b.resolve() or (a.exists() and b.exists() and a.samefile(b))
 
 
 def replace_file(file: Path, write: Callable[[Path], None]) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tetraskel.cli.arguments import STANDARD_INPUT
 from tetraskel.cli.files import TABLES, expect_file, read
+from tetraskel.cli.outputs import STANDARD_INPUT
 from tetraskel.cli.tables import open_npy, rows_of_table
 from tetraskel.errors import InputError
 from tetraskel.kernels.points import bad_coordinates, count_bad

@@ -35,13 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
     from tetraskel.cli.chain import finish, interior_cells, prepared, run_chain, run_filters
-    from tetraskel.cli.files import read
+    from tetraskel.cli.files import read_points
     from tetraskel.vtkfilters import DelaunayMesh, RasterSkeleton
 
     step = RasterSkeleton(**values(chosen, RasterInputOptions))
     if Path(chosen.input).suffix.lower() == ".vti" and not chosen.points_only:
         write = prepared(chosen)
-        source = read(chosen.input, images=True)
+        source = read_points(chosen.input, images=True)
         finish(chosen, source, run_filters(source, [step]), write, from_cells=False)
         return
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))

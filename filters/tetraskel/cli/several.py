@@ -6,7 +6,7 @@ import argparse
 import copy
 from pathlib import Path
 
-from tetraskel.cli.arguments import STANDARD_INPUT
+from tetraskel.cli.outputs import STANDARD_INPUT, OutputFile
 from tetraskel.errors import InputError
 
 SUFFIX = ".vtp"
@@ -47,5 +47,6 @@ def _check(chosen: argparse.Namespace, inputs: list[str]) -> None:
 
 def _job(chosen: argparse.Namespace, path: str) -> argparse.Namespace:
     job = copy.copy(chosen)
-    job.input, job.output = path, str(Path(chosen.output) / (Path(path).stem + SUFFIX))
+    job.input, job.output = path, OutputFile(Path(chosen.output) / (Path(path).stem + SUFFIX))
+    job.all_inputs = chosen.input  # none of them is to be written over
     return job

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import argparse
 
-from tetraskel.cli.arguments import add_options, values
-from tetraskel.errors import InputError
+from tetraskel.cli.arguments import add_options, names_of, refuse, values
+from tetraskel.cli.outputs import OutputFile
+from tetraskel.errors import InputError, NoInsideError
 from tetraskel.options import CurveOptions, DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
 PORTS = {"points": 1, "sheets": 2}  # of the filter; all else is made from the skeleton
@@ -44,10 +45,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add_files(parser)
     parser.add_argument("--method", choices=("curve", "tree"), default="curve", help="which skeleton")
-    parser.add_argument("--edges", metavar="FILE", help="also write the edges as .csv, by rows of the table of nodes")
-    parser.add_argument("--table", metavar="FILE", help="also write a row per branch as .csv")
-    parser.add_argument("--points", metavar="FILE", help="curve: also write the points with their branch as .vtp")
-    parser.add_argument("--sheets", metavar="FILE", help="curve: also write the medial sheets as .vtp or .vtk")
+    parser.add_argument(
+        "--edges", metavar="FILE", type=OutputFile, help="also write the edges as .csv, by rows of the table of nodes"
+    )
+    parser.add_argument("--table", metavar="FILE", type=OutputFile, help="also write a row per branch as .csv")
+    parser.add_argument(
+        "--points", metavar="FILE", type=OutputFile, help="curve: also write the points with their branch as .vtp"
+    )
+    parser.add_argument(
+        "--sheets", metavar="FILE", type=OutputFile, help="curve: also write the medial sheets as .vtp or .vtk"
+    )
     add_blocks(parser)
     add_inside(parser)
     add_options(parser, CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions)
@@ -56,12 +63,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """Make and write the skeleton."""
+    from tetraskel.cli.chain import inside_options
+
     if chosen.inside is None:
         chosen.inside = "gates" if chosen.method == "curve" else "all"
     if chosen.denoise is None:
         chosen.denoise = CurveOptions.denoise if chosen.method == "curve" else DelaunayOptions.denoise
     for options in (CurveOptions, DelaunayOptions, TreeOptions, FlatOptions, SkeletonOptions):
         values(chosen, options)  # a wrong value is told, whether this method uses it or not
+    inside_options(chosen)
+    _expect_of_use(chosen)
     extras = _extra_writers(chosen)
     if chosen.blocks is not None:
         from tetraskel.cli.blocks import run_in_blocks
@@ -73,9 +84,21 @@ def run(chosen: argparse.Namespace) -> None:
         _curve(chosen, extras)
 
 
+def _expect_of_use(chosen: argparse.Namespace) -> None:
+    """Raise `InputError` for options of the other method, and for one of sheets that are not asked for."""
+    if chosen.method == "tree":
+        shared = names_of(DelaunayOptions)
+        curve = [name for name in names_of(CurveOptions) if name not in shared]
+        refuse(chosen, curve, "--method curve", "--method tree")
+    else:
+        refuse(chosen, names_of(TreeOptions, FlatOptions, SkeletonOptions), "--method tree", "--method curve")
+        if not chosen.sheets:
+            refuse(chosen, ["sheet_angle"], "--sheets", "none")
+
+
 def _extra_writers(chosen: argparse.Namespace) -> dict:
     """Writers of the files asked for beside the skeleton, checked before any work."""
-    from tetraskel.cli.files import check_apart, check_output, replace_to, write_by_suffix
+    from tetraskel.cli.files import check_output, replace_to, write_by_suffix
     from tetraskel.cli.graph_formats import write_branch_table, write_edges_csv
 
     for name, reason in CURVE_ONLY.items():
@@ -91,8 +114,6 @@ def _extra_writers(chosen: argparse.Namespace) -> dict:
     for path, suffixes, _ in wanted.values():
         if path:
             check_output(path, suffixes)
-    paths = [chosen.output, *(path for path, _, _ in wanted.values() if path)]
-    check_apart(paths, [path for path in (chosen.input, chosen.boundary) if path])
     return {name: replace_to(path, write) for name, (path, _, write) in wanted.items() if path}
 
 
@@ -122,10 +143,21 @@ def _tree(chosen: argparse.Namespace, extras: dict) -> None:
 
 def _curve(chosen: argparse.Namespace, extras: dict) -> None:
     from tetraskel.cli.chain import interior_cells, run_chain
-    from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh
+    from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells
 
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
     curve = CurveSkeleton(**values(chosen, CurveOptions), sheets=chosen.sheets is not None)
-    run_chain(chosen, [mesh, *interior_cells(chosen, extract=False), curve])
+    inside = interior_cells(chosen, extract=False) or [InteriorCells(method="all")]  # or the curve would look for it
+    try:
+        run_chain(chosen, [mesh, *inside, curve])
+    except NoInsideError as error:
+        raise InputError(_without_inside(str(error), chosen.inside)) from error
     for name, write in extras.items():
         write(curve.GetOutputDataObject(PORTS.get(name, 0)))
+
+
+def _without_inside(told: str, inside: str) -> str:
+    """What was told of an object without an inside, and the options that may help."""
+    found, others = told.split(";")[0], {"--inside all": "take all of it as inside", "--method tree": "draw the tree"}
+    others.pop(f"--inside {inside}", None)
+    return f"{found}; use " + ", or ".join(f"{flag} to {meaning}" for flag, meaning in others.items()) + "."

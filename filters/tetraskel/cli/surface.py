@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, values
+from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.errors import InputError
 from tetraskel.options import SurfaceOptions
 
@@ -21,11 +22,15 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel surface` takes."""
     add_input(parser, "a skeleton with radii: .vtp .vtk .swc")
-    parser.add_argument("output", metavar="OUT", help="the surface: .vtp .vtk .ply .obj .stl")
+    parser.add_argument("output", metavar="OUT", type=OutputFile, help="the surface: .vtp .vtk .ply .obj .stl")
     add_json(parser)
     add_drawings(parser)
-    parser.add_argument("--sheets", metavar="FILE", help="medial sheets to be covered too, .vtp .vtk; for plates")
-    parser.add_argument("--against", metavar="FILE", help="the original points or surface, to print the error")
+    parser.add_argument(
+        "--sheets", metavar="FILE", type=InputFile, help="medial sheets to be covered too, .vtp .vtk; for plates"
+    )
+    parser.add_argument(
+        "--against", metavar="FILE", type=InputFile, help="the original points or surface, to print the error"
+    )
     add_options(parser, SurfaceOptions)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from tetraskel.cli.files import read
+from tetraskel.cli.files import expect_points, read_points
 from tetraskel.errors import InputError
 from tetraskel.vtkfilters.convert import add_arrays, to_cells, to_points
 
@@ -23,8 +23,10 @@ def read_skeleton(path: str, radius_array: str) -> vtkPolyData:
         When the file cannot be read or holds no polygonal data.
     """
     if Path(path).suffix.lower() == ".swc" and Path(path).is_file():
-        return read_swc(Path(path), radius_array)
-    data = read(path)
+        data = read_swc(Path(path), radius_array)
+        expect_points(data.GetNumberOfPoints(), path)
+        return data
+    data = read_points(path)
     if not isinstance(data, vtkPolyData):
         raise InputError(f"expected a skeleton as polygonal data in {path!r}, got {type(data).__name__}.")
     return data

@@ -15,6 +15,7 @@ from tetraskel.errors import InputError
 # Names of the coordinates in a header, without quotes and units, in small letters; ParaView writes the second kind.
 NAMED_AXES = (("x", "y", "z"), ("points:0", "points:1", "points:2"), ("points_0", "points_1", "points_2"))
 SEPARATORS = (";", ",", "\t")
+NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?([eE][+-]?\d+)?")  # with a decimal point or comma
 
 
 def read_table(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -74,7 +75,7 @@ def _from_bytes(content: bytes, file: Path) -> tuple[np.ndarray, dict[str, np.nd
         return np.empty((0, 3)), {}
     separator = next((mark for mark in SEPARATORS if mark in rows[0][1]), None)
     cells = [(k, [cell.strip().strip('"') for cell in line.split(separator)]) for k, line in rows]
-    header = [] if all(map(_is_number, cells[0][1])) else cells.pop(0)[1]
+    header = cells.pop(0)[1] if _is_header(file, *cells[0]) else []
     columns = _coordinate_columns(header or [""] * len(cells[0][1]), file)
     width = len(header or cells[0][1])
     coordinates = np.array([_numbers(file, k, row, columns, width) for k, row in cells]).reshape(-1, len(columns))
@@ -96,7 +97,7 @@ def rows_of_table(stream: IO[bytes], file: Path, length: int) -> Iterator[np.nda
             separator = next((mark for mark in SEPARATORS if mark in line), None)
         cells = [cell.strip().strip('"') for cell in line.split(separator)]
         if columns is None:
-            header = not all(map(_is_number, cells))
+            header = _is_header(file, k, cells)
             columns, width = _coordinate_columns(cells if header else [""] * len(cells), file), len(cells)
             if header:
                 continue
@@ -136,11 +137,32 @@ def _coordinate_columns(header: list[str], file: Path) -> list[int]:
 
 def _numbers(file: Path, line: int, row: list[str], columns: list[int], width: int) -> list[float]:
     if len(row) != width:
+        _expect_decimal_points(file, line, row)
         raise InputError(f"expected {width} cells in each line of {str(file)!r}, got {len(row)} in line {line}.")
     try:
         return [float(row[column]) for column in columns]
     except ValueError as error:
-        raise InputError(f"expected numbers in line {line} of {str(file)!r}: {error}.") from error
+        _expect_decimal_points(file, line, row)
+        words = next(row[column] for column in columns if not _is_number(row[column]))
+        raise InputError(f"expected numbers in line {line} of {str(file)!r}, got {words!r}.") from error
+
+
+def _is_header(file: Path, line: int, row: list[str]) -> bool:
+    """Whether the first row names columns; it does not when it is numbers with decimal commas."""
+    _expect_decimal_points(file, line, row)
+    return not all(map(_is_number, row))
+
+
+def _expect_decimal_points(file: Path, line: int, row: list[str]) -> None:
+    """Raise `InputError` when the cells, or what a comma split into cells, are numbers with decimal commas."""
+    for mark in (" ", ","):
+        words = mark.join(row).split()
+        commas = [word for word in words if "," in word]
+        if len(words) > 1 and commas and all(map(NUMBER.fullmatch, words)):
+            raise InputError(
+                f"expected numbers with decimal points in line {line} of {str(file)!r}, got {commas[0]!r}; write "
+                f"{commas[0].replace(',', '.')!r}."
+            )
 
 
 def _other_columns(header: list[str], columns: list[int], rows: list[list[str]]) -> dict[str, np.ndarray]:

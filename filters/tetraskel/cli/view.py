@@ -11,6 +11,7 @@ import os
 import sys
 
 from tetraskel.cli.arguments import add_drawings
+from tetraskel.cli.outputs import InputFile
 from tetraskel.errors import InputError
 
 EXAMPLES = (
@@ -22,8 +23,10 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What `tetraskel view` takes."""
-    parser.add_argument("input", metavar="FILE", help="what to look at: .vtp .vtu .vtk .swc .ply .obj .stl .csv ...")
-    parser.add_argument("--points", metavar="FILE", help="points of the object, drawn around it")
+    parser.add_argument(
+        "input", metavar="FILE", type=InputFile, help="what to look at: .vtp .vtu .vtk .swc .ply .obj .stl .csv ..."
+    )
+    parser.add_argument("--points", metavar="FILE", type=InputFile, help="points of the object, drawn around it")
     add_drawings(parser, how="")
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetraskel.errors import InputError, TetraskelError
+from tetraskel.errors import NoInsideError, TetraskelError
 from tetraskel.kernels.attachment import anchor_points, points_of_anchors
 from tetraskel.kernels.branches import Branches, grow_branches
 from tetraskel.kernels.burning import begin_burning
@@ -156,7 +156,7 @@ def curve_model(
     labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.22))
     inner = inner_mesh(mesh, labels, part(tick, 0.22, 0.25))
     if len(inner.simplices) == 0 and len(mesh.points):
-        raise InputError(
+        raise NoInsideError(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
             "an open surface, or be too sparse; label the inside yourself, or take the whole mesh as inside."
         )

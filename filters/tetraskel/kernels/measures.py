@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.ball_graph import BallGraph
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.curve_skeleton import Skeleton
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.surface_rays import (
@@ -26,7 +27,7 @@ SURFACE_SAMPLES = 20_000
 BALL_STEP = 0.1  # distance between balls, in radii
 
 
-def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike]) -> dict[str, float]:
+def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike], *, tick: Tick = silent) -> dict[str, float]:
     """Judge a curve skeleton.
 
     Parameters
@@ -35,6 +36,8 @@ def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike]) -> dict[st
         In space.
     surface : (vertices, triangles)
         (n, 3) coordinates and (t, 3) point ids of the closed surface of the object.
+    tick : callable, optional
+        Called with the share of the work done.
 
     Returns
     -------
@@ -60,8 +63,9 @@ def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike]) -> dict[st
     expect_extent(vertices)
     target = surface_of(vertices, triangles)
     diagonal = float(np.sqrt((np.ptp(vertices, axis=0) ** 2).sum()))
-    inside, centredness = _along(skeleton, target)
+    inside, centredness = _along(skeleton, target, part(tick, 0.0, 0.9))
     distance = 100 / diagonal * distances_to_balls(skeleton, surface_samples(target, SURFACE_SAMPLES))
+    tick(1.0)
     return {
         **graph_numbers(skeleton),
         "inside": inside,
@@ -101,18 +105,21 @@ def count_components(edges: Ints, n: int) -> int:
     return sum(find(point) == point for point in range(n))
 
 
-def _along(skeleton: Skeleton, surface: Surface) -> tuple[float, float]:
+def _along(skeleton: Skeleton, surface: Surface, tick: Tick) -> tuple[float, float]:
     """Share of the length inside, and mean centredness of that share."""
     places, weights = samples_along(skeleton, SAMPLES)
     inside = inside_surface(surface, places)
+    tick(0.4)
     share = float((weights * inside).sum() / weights.sum())
     if not inside.any():
         return share, 0.0
     places, weights = places[inside], weights[inside]
     away = places - nearest_on_surface(surface, places)
+    tick(0.8)
     near = np.sqrt((away**2).sum(axis=1))
     ways = away / np.maximum(near, 1e-300)[:, None]
     far, _ = first_hits(surface, places, ways, 1e-9 * near)
+    tick(1.0)
     value = np.where(np.isfinite(far), 2 * near / (near + np.minimum(far, 1e300)), 0.0)
     return share, float((weights * value).sum() / weights.sum())
 

@@ -3,17 +3,47 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tetraskel.kernels.points import morton_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
+GROUP = 32  # triangles looked at together
 SURFACE_PAIRS = 1 << 22  # entries of a distance matrix at a time
 EDGE_ON = 1e-150  # of the box of a triangle: what rounding leaves of its area as seen along a ray
 SLACK = 1e-9  # of a triangle's size: rays through an edge meet both triangles rather than none
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Triangles close to one another, with a ball around them.
+
+    Attributes
+    ----------
+    members : (g, GROUP) int
+        Triangles; -1 where the last group has no more.
+    centres : (g, 3) float
+        A point of the surface in the middle of each group: the centre of one of its triangles.
+    reaches : (g,) float
+        No point of the group is farther from its centre.
+    """
+
+    members: Ints
+    centres: Floats
+    reaches: Floats
+
+    def pairs(self, near: Bools) -> tuple[Ints, Ints]:
+        """Rows, ascending, and triangles of the groups marked in (k, g)."""
+        row, group = np.nonzero(near)
+        triangles = self.members[group]  # (p, GROUP)
+        real = triangles >= 0
+        return np.repeat(row, real.sum(axis=1)), triangles[real]
 
 
 @dataclass(frozen=True)
@@ -32,6 +62,26 @@ class Surface:
     centres: Floats
     reaches: Floats
 
+    @cached_property
+    def normals(self) -> Floats:
+        """(t, 3) of unit length; 0 where a triangle has no area."""
+        a, b, c = self.corners.transpose(1, 0, 2)
+        sides = np.cross(b - a, c - a)
+        long = np.sqrt((sides**2).sum(axis=1, keepdims=True))
+        return sides / np.where(long > 0, long, 1.0)
+
+    @cached_property
+    def groups(self) -> Groups:
+        """Groups along a Morton curve."""
+        order = morton_order(self.centres)
+        n_groups = -(-len(order) // GROUP)
+        members = np.full((n_groups, GROUP), -1, np.int64)
+        members.flat[: len(order)] = order
+        counts = (members >= 0).sum(axis=1)
+        centres = self.centres[members[np.arange(n_groups), counts // 2]]
+        away = np.sqrt(((self.centres[members] - centres[:, None]) ** 2).sum(axis=2)) + self.reaches[members]
+        return Groups(members, centres, np.where(members >= 0, away, 0.0).max(axis=1))
+
 
 def surface_of(vertices: Floats, triangles: Ints) -> Surface:
     """Triangles ready for questions."""
@@ -44,18 +94,31 @@ def surface_of(vertices: Floats, triangles: Ints) -> Surface:
 def nearest_on_surface(surface: Surface, places: Floats) -> Floats:
     """(k, 3) nearest point of the surface to each place.
 
-    Strategy: a triangle can hold the nearest point only if its bounding ball begins nearer than the nearest ball
-    ends; the exact answer is computed for those pairs alone.
+    Strategy: a triangle can hold the nearest point only if its bounding ball begins nearer than the nearest centre of
+    a triangle, which is a point of the surface; the exact answer is computed for those pairs alone. Groups of
+    triangles, in balls of their own, are sorted out the same way first.
     """
-    nearest = np.empty((len(places), 3))
+    nearest, groups = np.empty((len(places), 3)), surface.groups
     for rows in _chunks(len(places), len(surface.centres)):
-        away = _distances(places[rows], surface.centres)
-        bound = (away + surface.reaches).min(axis=1, keepdims=True)
-        place, triangle = np.nonzero(away - surface.reaches <= bound * (1 + SLACK))
+        away = np.sqrt(_squares(places[rows], groups.centres))
+        bound = away.min(axis=1, keepdims=True)
+        place, triangle = groups.pairs(away - groups.reaches <= bound + SLACK * (bound + groups.reaches))
+        least, most = _bounds(surface, places[rows][place], triangle)
+        bound = np.minimum.reduceat(most, np.flatnonzero(np.diff(place, prepend=-1)))[place]
+        near = least <= bound + SLACK * (bound + surface.reaches[triangle])
+        place, triangle = place[near], triangle[near]
         found = nearest_in_triangles(places[rows][place], surface.corners[triangle])
-        order = np.lexsort([((found - places[rows][place]) ** 2).sum(axis=1), place])
+        order = np.lexsort([triangle, ((found - places[rows][place]) ** 2).sum(axis=1), place])
         nearest[rows] = found[order[np.flatnonzero(np.diff(place[order], prepend=-1))]]
     return nearest
+
+
+def _bounds(surface: Surface, places: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+    """(k,) bounds of the distance from each place to its triangle: to a disc of its plane around it, to its centre."""
+    away, reach = places - surface.centres[triangles], surface.reaches[triangles]
+    square, height = (away**2).sum(axis=1), (away * surface.normals[triangles]).sum(axis=1)
+    beside = np.sqrt(np.maximum(square - height**2, 0))
+    return np.hypot(height, np.maximum(beside - reach, 0)), np.sqrt(square)
 
 
 def first_hits(surface: Surface, starts: Floats, directions: Floats, beyond: Floats) -> tuple[Floats, Ints]:
@@ -63,12 +126,16 @@ def first_hits(surface: Surface, starts: Floats, directions: Floats, beyond: Flo
 
     `directions` have unit length.
     """
-    first, count = np.full(len(starts), np.inf), np.zeros(len(starts), np.int64)
+    first, count, groups = np.full(len(starts), np.inf), np.zeros(len(starts), np.int64), surface.groups
     for rows in _chunks(len(starts), len(surface.centres)):
         origin, way = starts[rows], directions[rows]
-        along = way @ surface.centres.T - (origin * way).sum(axis=1)[:, None]
-        square = _distances(origin, surface.centres) ** 2 - along**2
-        ray, triangle = np.nonzero((square <= (surface.reaches * (1 + 1e-6)) ** 2) & (along >= -surface.reaches))
+        along = way @ groups.centres.T - (origin * way).sum(axis=1)[:, None]
+        square = _squares(origin, groups.centres) - along**2
+        ray, triangle = groups.pairs((square <= (groups.reaches * (1 + 1e-6)) ** 2) & (along >= -groups.reaches))
+        to_centre, reach = surface.centres[triangle] - origin[ray], surface.reaches[triangle]
+        along = (to_centre * way[ray]).sum(axis=1)
+        met = ((to_centre**2).sum(axis=1) - along**2 <= (reach * (1 + 1e-6)) ** 2) & (along >= -reach)
+        ray, triangle = ray[met], triangle[met]
         distance = _hit_distances(origin[ray], way[ray], surface.corners[triangle])
         hit = distance > beyond[rows][ray]
         np.minimum.at(first[rows], ray[hit], distance[hit])
@@ -103,11 +170,11 @@ def _chunks(n: int, width: int) -> list[slice]:
     return [slice(start, min(start + step, n)) for start in range(0, n, step)]
 
 
-def _distances(places: Floats, centres: Floats) -> Floats:
+def _squares(places: Floats, centres: Floats) -> Floats:
     middle = centres.mean(axis=0)  # small numbers: the squares are subtracted
     a, b = places - middle, centres - middle
     square = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1)[None] - 2 * a @ b.T
-    return np.sqrt(np.maximum(square, 0))
+    return np.maximum(square, 0)
 
 
 def _hit_distances(origin: Floats, way: Floats, corners: Floats) -> Floats:
