@@ -11,7 +11,7 @@ import pytest
 import pyvista
 
 from paths import SAMPLES
-from tetraskel import build_tree, remove_flat, triangulate
+from tetraskel import bezier_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
 from tetraskel.kernels.quality import qualities, volumes
 from tetraskel.pipeline import tree_skeleton
 
@@ -71,3 +71,11 @@ def test_the_chain_runs_on_every_sample(name):
     skeleton = tree_skeleton(cloud(name))
     assert len(skeleton.points)
     assert np.isfinite(skeleton.points).all()
+
+
+@pytest.mark.parametrize("name", [name for name, known in ANSWERS.items() if "axis" in known])
+def test_curves_through_tubes_are_at_most_a_third_of_their_vertices(name):
+    before = curve_skeleton(cloud(name))
+    curves = bezier_skeleton(before)
+    assert curves.skeleton.n_branches == before.n_branches
+    assert 0 < 3 * len(curves) <= len(before)
