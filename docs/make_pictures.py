@@ -104,6 +104,7 @@ def detail_figure():
         plotter.view_vector((1, -2, 1), viewup=(0, 0, 1))
         plotter.camera.zoom(1.4)
     plotter.screenshot(HERE / "pictures" / "detail.png")
+    plotter.close()
 
 
 def box_surface(sides, n):

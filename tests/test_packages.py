@@ -11,10 +11,13 @@ import subprocess
 import sys
 import tarfile
 import zipfile
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from paths import ROOT
+from tetraskel.kernels.compilation import SWITCH
 
 MODULES = {path.relative_to(ROOT / "filters").as_posix() for path in (ROOT / "filters" / "tetraskel").rglob("*.py")}
 
@@ -61,18 +64,38 @@ def test_the_source_distribution_holds_every_module(built):
     assert "pyproject.toml" in names
 
 
-def test_the_wheel_works_where_nothing_else_of_the_checkout_is(built, tmp_path):
-    zipfile.ZipFile(built[1]).extractall(tmp_path / "site")
-    code = "import tetraskel, tetraskel.cli; print(tetraskel.__file__); tetraskel.cli.main(['plugin-path'])"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
-    )
-    assert done.returncode == 0, done.stderr
-    assert all(line.startswith(str(tmp_path)) for line in done.stdout.splitlines())
+CHAIN = [["--version"], ["plugin-path"], ["skeleton", "ring.csv", "ring.vtp"], ["bezier", "ring.vtp", "smooth.vtp"]]
+
+
+@pytest.mark.parametrize("kind", ["source distribution", "wheel"])
+def test_installed_where_nothing_else_of_the_checkout_is_it_works(built, kind, tmp_path):
+    """In an environment of its own, which finds the dependencies and the build tools in this one."""
+    home = tmp_path / "home"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", home], check=True)
+    folder = "Scripts" if os.name == "nt" else "bin"
+    site = next(home.rglob("site-packages"))
+    (site / "dependencies.pth").write_text("\n".join(path for path in sys.path if path.endswith("-packages")))
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    environment[SWITCH] = "0"  # what numba compiles is kept by the place of the package: a minute for each
+
+    def run(*command):
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    file = built[["source distribution", "wheel"].index(kind)]
+    options = ["--no-index", "--no-deps", "--no-build-isolation", "--ignore-installed"]
+    run(home / folder / "python", "-m", "pip", "install", *options, file)
+    angle = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    np.savetxt(tmp_path / "ring.csv", np.concatenate([ring, 0.6 * ring]), "%.9f", ",", header="x,y", comments="")
+    said = [run(home / folder / "tetraskel", *arguments) for arguments in CHAIN]
+    assert str(site / "tetraskel") in run(home / folder / "python", "-c", "import tetraskel; print(tetraskel.__file__)")
+    assert re.search(r"\d+\.\d+", said[0])
+    assert Path(said[1]).is_relative_to(site)
+    assert Path(said[1]).is_file()
+    assert "1 pieces, 1 loops" in said[2]
+    assert (tmp_path / "smooth.vtp").stat().st_size > 0
 
 
 def test_licences_of_dependencies_are_listed():

@@ -12,7 +12,7 @@ import pytest
 import pyvista
 
 from paths import ROOT, SAMPLES
-from tetraskel import build_tree, curve_skeleton, remove_flat, triangulate
+from tetraskel import bezier_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
 from tetraskel.kernels.quality import qualities, volumes
 from tetraskel.pipeline import tree_skeleton
 
@@ -83,3 +83,11 @@ def test_detail_shows_more_of_the_limbs_as_first_steps_says():
     assert len(set(lines)) == len(lines)
     assert lines[0] < ANSWERS["limbs"]["n_ends"]
     assert (drawn[-1].node_degree == 1).sum() == ANSWERS["limbs"]["n_ends"]
+
+
+@pytest.mark.parametrize("name", [name for name, known in ANSWERS.items() if "axis" in known])
+def test_curves_through_tubes_are_at_most_a_third_of_their_vertices(name):
+    before = curve_skeleton(cloud(name))
+    curves = bezier_skeleton(before)
+    assert curves.skeleton.n_branches == before.n_branches
+    assert 0 < 3 * len(curves) <= len(before)

@@ -143,7 +143,20 @@ if FAST:
 @pytest.mark.parametrize(("n", "seed"), CYLINDERS)
 def test_flat_ended_cylinder_at_densities(n: int, seed: int) -> None:
     """Radius 0.5, length 4: the medial axis but for the cones at its ends is the axis from 0.5 to 3.5."""
-    skeleton = curve_skeleton(cylinder(n, seed))
+    check_cylinder(curve_skeleton(cylinder(n, seed)))
+
+
+def test_flat_ended_cylinder_under_noise() -> None:
+    """Of 0.5 % of the diagonal, as the tubes."""
+    points = cylinder(3000)
+    noise = 0.005 * np.linalg.norm(np.ptp(points, axis=0))
+    skeleton = curve_skeleton(points + np.random.default_rng(1).normal(0, noise, points.shape))
+    check_cylinder(skeleton)
+    assert np.sort(skeleton.points[skeleton.node_degree == 1][:, 0]) == pytest.approx([0.5, 3.5], abs=0.1)
+
+
+def check_cylinder(skeleton: Skeleton) -> None:
+    """One line along the axis, with the radius, away from the ends."""
     assert topology(skeleton) == (1, 0, 2, 0)
     places, weights = samples_along(skeleton, 400)
     straight = (places[:, 0] > 0.5) & (places[:, 0] < 3.5)

@@ -11,6 +11,7 @@ import pyvista
 from paths import PLUGIN
 from programs import finished, program
 from tetraskel import build_tree, curve_skeleton, triangulate
+from tetraskel.kernels.curve_stages import ENDS
 from tetraskel.vtkfilters import CurveSkeleton
 from tubes import TUBES
 
@@ -203,7 +204,7 @@ def test_a_selection_is_points(found):
 
 def test_progress_names_the_stages(found):
     texts = [text for text, _ in found["progress"] if text]
-    assert list(dict.fromkeys(texts)) == ["Triangulating", "Drawing the skeleton together"]
+    assert list(dict.fromkeys(texts)) == ["Triangulating", *ENDS, "Drawing the lines"]
     shares = [share for _, share in found["progress"]]
     assert shares == sorted(shares)
 

@@ -262,6 +262,14 @@ print(mesh.GetClientSideObject().last_error)
     assert done.stdout.count("rank 1: expected finite") == 1
 
 
+def test_below_the_size_the_first_rank_has_all(exact, cloud, tmp_path):
+    done = batch(tmp_path, CHAIN.replace("GatherBelow=0", f"GatherBelow={2 * len(cloud)}"), "Exact", "sym", **exact)
+    assert done.returncode == 0, done.stderr
+    assert_is_serial(tmp_path, cloud, "exact")
+    sizes = [np.load(path)["tree_points"].shape[0] for path in sorted(tmp_path.glob("out*.npz"))]
+    assert sizes == [len(build_tree(triangulate(cloud, engine="exact"))), 0]
+
+
 def test_when_a_rank_is_killed_the_other_ends(tmp_path):
     script = """
 import os, signal, sys, time

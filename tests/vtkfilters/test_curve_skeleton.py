@@ -12,6 +12,7 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 from tetraskel import Aborted, InputError, curve_model, curve_skeleton, measure, medial_mesh, triangulate
 from tetraskel.kernels import curve
+from tetraskel.kernels.curve_stages import ENDS
 from tetraskel.kernels.triangulate import available_engine
 from tetraskel.vtkfilters import CurveSkeleton, DelaunayMesh, InteriorCells, base
 from tetraskel.vtkfilters.convert import add_arrays, array_of, points_of, simplices_of, to_points
@@ -198,7 +199,35 @@ def test_another_detail_finds_no_sheets_again(monkeypatch):
     assert len(made) == 1
 
 
-@pytest.mark.parametrize("stage", ["Triangulating", "Drawing the skeleton together", "Finding the sheets"])
+STAGES = [
+    "Triangulating",
+    "Telling inside from outside",
+    "Placing the nodes",
+    "Joining the nodes",
+    "Collapsing to a graph",
+    "Finding the loops",
+    "Burning from the surface",
+    "Growing the tree",
+    "Growing the branches",
+    "Drawing the lines",
+]
+
+
+def test_progress_names_the_stages():
+    """In the order in which they work, each with its share, and none is passed over however short it is."""
+    step, told = skeleton_step(polydata(tube())), []
+    step.AddObserver("ProgressEvent", lambda *_: told.append((step.GetProgressText(), step.GetProgress())))
+    step.run()
+    told = [(text, share) for text, share in told if text and share < 1]
+    assert list(dict.fromkeys(text for text, _ in told)) == STAGES
+    changes = [k for k in range(1, len(told)) if told[k][0] != told[k - 1][0]]
+    assert len(changes) == len(STAGES) - 1  # no stage comes twice
+    begins = [told[k][1] for k in changes]
+    assert begins == sorted(begins)
+    assert begins[1:-1] == pytest.approx([0.5 + 0.45 * end for end in list(ENDS.values())[:-1]])
+
+
+@pytest.mark.parametrize("stage", ["Triangulating", "Placing the nodes", "Collapsing to a graph", "Finding the sheets"])
 def test_a_stop_is_honoured_within_a_second(monkeypatch, stage):
     """In each stage, as the button of ParaView does it."""
     monkeypatch.setattr(base, "PROGRESS_SECONDS", 0.0)

@@ -20,6 +20,7 @@ from tetraskel.kernels.curve_arrays import assemble
 from tetraskel.kernels.curve_lines import Lines, smooth_lines
 from tetraskel.kernels.curve_roots import first_facets, first_of_each, in_mesh
 from tetraskel.kernels.curve_skeleton import Skeleton
+from tetraskel.kernels.curve_stages import begin_stage
 from tetraskel.kernels.dual_complex import DualComplex, dual_complex, facets_of
 from tetraskel.kernels.extent import expect_extent
 from tetraskel.kernels.inner_mesh import InnerMesh, inner_mesh
@@ -153,20 +154,22 @@ def curve_model(
     """
     expect_mesh(mesh)
     expect_extent(mesh.points)
-    labels = inside_of_object(mesh, inside, part(tick, 0.0, 0.22))
-    inner = inner_mesh(mesh, labels, part(tick, 0.22, 0.25))
+    telling = "Telling inside from outside"
+    labels = inside_of_object(mesh, inside, begin_stage(tick, telling, 0.0, 0.9))
+    inner = inner_mesh(mesh, labels, begin_stage(tick, telling, 0.9, 1.0))
     if len(inner.simplices) == 0 and len(mesh.points):
         raise NoInsideError(
             f"expected an object with an inside, got none in {len(mesh.points)} points: they may fill a volume, lie on "
             "an open surface, or be too sparse; label the inside yourself, or take the whole mesh as inside."
         )
-    tick(0.25)
-    nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, part(tick, 0.25, 0.45))
-    facets = facets_of(inner.simplices, inner.neighbors, part(tick, 0.45, 0.47))
-    cells = dual_complex(inner.simplices, facets, len(inner.coordinates), part(tick, 0.47, 0.54))
+    placing = begin_stage(tick, "Placing the nodes")
+    nodes = medial_nodes(inner.coordinates, inner.simplices, inner.neighbors, placing)
+    facets = facets_of(inner.simplices, inner.neighbors, begin_stage(tick, "Joining the nodes", 0.0, 0.2))
+    joining = begin_stage(tick, "Joining the nodes", 0.2, 0.9)
+    cells = dual_complex(inner.simplices, facets, len(inner.coordinates), joining)
     burning = begin_burning(cells, nodes.positions, nodes.radii)  # nothing before needs it
-    widths = widths_of_facets(inner.coordinates, facets.points, part(tick, 0.54, 0.55))
-    collapse = collapse_to_graph(cells, widths, part(tick, 0.55, 0.65))
+    widths = widths_of_facets(inner.coordinates, facets.points, begin_stage(tick, "Joining the nodes", 0.9, 1.0))
+    collapse = collapse_to_graph(cells, widths, begin_stage(tick, "Collapsing to a graph"))
     check_homotopy(cells, collapse)
     loops = find_loops(
         cells,
@@ -174,16 +177,18 @@ def curve_model(
         widths,
         lambda facets: _spacing(inner, cells, facets),
         loop_spacings=loop_spacings,
-        tick=part(tick, 0.65, 0.7),
+        tick=begin_stage(tick, "Finding the loops"),
     )
-    burn = burning(part(tick, 0.7, 0.8))
+    burn = burning(begin_stage(tick, "Burning from the surface"))
     burn = np.where(nodes.is_medial, burn, nodes.radii)
-    tick(0.8)
+    growing = begin_stage(tick, "Growing the tree", 0.0, 0.8)
     strength = np.sqrt(burn * nodes.radii) * facing(inner.coordinates, inner.simplices, nodes) ** FACING_POWER
-    tree = medial_tree(cells, nodes.positions, strength, loops.cut, part(tick, 0.8, 0.9))
-    core = loop_core(tree, cells, loops.crossings, loops.cut, part(tick, 0.9, 0.92))
-    branches = grow_branches(core, nodes.positions, nodes.radii, burn, part(tick, 0.92, 1.0))
-    anchors = anchor_points(inner, nodes, core, branches, tick)
+    tree = medial_tree(cells, nodes.positions, strength, loops.cut, growing)
+    core = loop_core(tree, cells, loops.crossings, loops.cut, begin_stage(tick, "Growing the tree", 0.8, 1.0))
+    branching = begin_stage(tick, "Growing the branches", 0.0, 0.8)
+    branches = grow_branches(core, nodes.positions, nodes.radii, burn, branching)
+    attaching = begin_stage(tick, "Growing the branches", 0.8, 1.0)
+    anchors = anchor_points(inner, nodes, core, branches, attaching)
     return CurveModel(inner, nodes, core, branches, loops, collapse.n_punctures, anchors)
 
 

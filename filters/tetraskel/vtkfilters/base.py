@@ -222,14 +222,17 @@ class SkeletonFilter(VTKPythonAlgorithmBase):
         return self.GetOutputDataObject(0)
 
     def tick(self, stage, start=0.0, stop=1.0):
-        """A callback for the kernels: tells VTK the share of this stage done; raises `Aborted` when asked to stop."""
+        """A callback for the kernels: tells VTK the share of this stage done; raises `Aborted` when asked to stop.
+
+        `stage` is the text for it, or a function that gives the text for a share. A new text is told at once.
+        """
 
         def told(share):
-            now = time.monotonic()
-            if now - self._shown < PROGRESS_SECONDS:
+            text, now = stage(share) if callable(stage) else stage, time.monotonic()
+            if now - self._shown < PROGRESS_SECONDS and text == self.GetProgressText():
                 return
             self._shown = now
-            self.SetProgressText(stage)
+            self.SetProgressText(text)
             self.UpdateProgress(start + (stop - start) * min(share, 1.0))
             if self._stop_asked():
                 raise Aborted("stopped on request.")

@@ -11,6 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from tetraskel.errors import InputError
 from tetraskel.kernels.curve import CurveModel, curve_model, draw_curve
 from tetraskel.kernels.curve_skeleton import Skeleton, line_edges
+from tetraskel.kernels.curve_stages import stage_at
 from tetraskel.kernels.medial_mesh import MedialMesh, medial_mesh
 from tetraskel.options import CurveOptions
 from tetraskel.vtkfilters.base import SkeletonFilter
@@ -89,7 +90,7 @@ class CurveSkeleton(SkeletonFilter):
 
     def _compute(self, source):
         mesh, inside = mesh_and_labels(source, self.tick("Triangulating", 0.0, 0.5), denoise=self.denoise)
-        tick = self.tick("Drawing the skeleton together", 0.0 if holds_simplices(source) else 0.5, 0.95)
+        tick = self.tick(stage_at, 0.0 if holds_simplices(source) else 0.5, 0.95)
         return curve_model(mesh, inside=inside, loop_spacings=self.loop_spacings, tick=tick)
 
 

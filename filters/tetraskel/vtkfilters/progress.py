@@ -6,6 +6,7 @@ import sys
 import time
 
 WIDTH = 30
+TEXT = 30  # the longest stage
 QUIET_SECONDS = 0.5
 
 
@@ -33,7 +34,7 @@ class ProgressLine:
         if not wanted and not self.always:
             return
         bar = "#" * int(share * WIDTH)
-        self.stream.write(f"\r{bar:<{WIDTH}} {100 * share:3.0f}% {stage or '':<24}")
+        self.stream.write(f"\r{bar:<{WIDTH}} {100 * share:3.0f}% {stage or '':<{TEXT}}")
         self.stream.flush()
         self.shown = True
 
@@ -42,5 +43,5 @@ class ProgressLine:
 
     def __exit__(self, *_) -> None:
         if self.shown:
-            self.stream.write("\r" + " " * (WIDTH + 31) + "\r")
+            self.stream.write("\r" + " " * (WIDTH + len(" 100% ") + TEXT) + "\r")
             self.stream.flush()
