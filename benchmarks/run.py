@@ -1,7 +1,8 @@
 """Engines side by side, and the stages of the chain: python benchmarks/run.py [--sizes N ...] [--out FOLDER].
 
 Every measurement is a process of its own, so peak memory is its own too. Runs of the engines alternate, seconds are
-medians, ratios are to Qhull in the same run. What takes longer than `--limit` seconds is stopped and shown as such.
+medians, ratios are to Qhull in the same run. What takes longer than `--limit` seconds is stopped and shown as such;
+what takes longer than `--once` is not repeated.
 With --out: FOLDER/benchmarks.md and, with matplotlib, FOLDER/pictures/benchmarks.png.
 """
 
@@ -86,7 +87,8 @@ def rows(names: list[str], kind: str, sizes: list[int], arguments: argparse.Name
     for n in sizes:
         for _ in range(arguments.repeats):
             for name in names:
-                if name not in stopped:
+                long = any(one["seconds"] > arguments.once for one in found.get((name, n), []))
+                if name not in stopped and not long:
                     one = measured(name, kind, n, arguments.limit)
                     if one is None:
                         stopped.add(name)  # larger ones take longer
@@ -142,6 +144,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[10**4, 10**5, 10**6])
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--limit", type=float, default=300.0, help="seconds after which one measurement is stopped")
+    parser.add_argument("--once", type=float, default=20.0, help="seconds from which on one measurement is enough")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--one", nargs=3, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
