@@ -24,7 +24,7 @@ FUNCTIONS = {
     "gate_tree": "mesh, *, tick",
     "inside_by_outline": "mesh, points, segments, *, tick",
     "interior": "mesh, *, method, ratio, noise, surface, outline, labels, tick",
-    "measure": "skeleton, surface",
+    "measure": "skeleton, surface, *, tick",
     "medial_mesh": "model, *, sheet_angle, tick",
     "morphological_reversal": "skeleton, *, tick",
     "raster_skeleton": "mask, *, method, element, ridge_slope, spacing, origin, tick",
