@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -13,9 +14,14 @@ from tetraskel.kernels.compilation import SWITCH
 
 REQUIRED = os.environ.get("TETRASKEL_REQUIRE_PARAVIEW") == "1"
 SECONDS = 300
-SCREEN = ("-a", "-n", str(100 + os.getpid() * 37 % 800))  # where xvfb-run begins to look, far from other processes
+_screens = itertools.count(os.getpid() * 37, 7)
 # what numba compiles for ParaView's own Python
 KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" / "numba-cache"))
+
+
+def virtual_screen():
+    """Words for xvfb-run: it looks for a free screen from a number on, far from those of what starts at the same time."""
+    return ("-a", "-n", str(100 + next(_screens) % 800))
 
 
 def program(name):

@@ -117,7 +117,7 @@ def bad_files():
         "flat.npy": (lambda file: np.save(file, POINTS[:, :2]), "expected points in space with --blocks"),
         "plane.npy": (lambda file: np.save(file, POINTS * [1, 0, 1]), "got points of one plane"),
         "few.npy": (lambda file: np.save(file, POINTS[:2]), "expected at least 3 distinct points"),
-        "none.csv": (lambda file: file.write_text(""), "expected at least 3 distinct points"),
+        "none.csv": (lambda file: file.write_text(""), "none.csv', got none."),
         "words.csv": (lambda file: file.write_text("x,y,z\n1,2,3\n1,two,3\n"), "expected numbers in line 3"),
         "ragged.csv": (lambda file: file.write_text("1,2,3\n1,2\n"), "expected 3 cells in each line"),
         "latin.csv": (lambda file: file.write_bytes(b"x,y,z\n1,2,\xe9\n"), "expected a text file in UTF-8"),

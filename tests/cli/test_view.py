@@ -16,7 +16,7 @@ import pyvista
 
 from commands import run
 from paths import ENVIRONMENT, SAMPLES
-from programs import SCREEN
+from programs import virtual_screen
 from tetraskel.cli import main, page, picture
 from tetraskel.vtkfilters.convert import segments_of
 
@@ -165,7 +165,7 @@ def test_a_window_opens_on_a_display(made):
         "print(status, opened[-1])\n"
     )
     environment = {key: value for key, value in ENVIRONMENT.items() if key != "PYVISTA_OFF_SCREEN"}
-    command = ["xvfb-run", *SCREEN, sys.executable, "-c", code]
+    command = ["xvfb-run", *virtual_screen(), sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, cwd=made, env=environment, timeout=300)
     assert (done.returncode, done.stdout) == (0, "0 1\n"), done.stderr
 

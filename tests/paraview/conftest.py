@@ -11,7 +11,7 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT
-from programs import SCREEN, finished, program, skip_or_fail
+from programs import finished, program, skip_or_fail, virtual_screen
 from tubes import TUBES
 
 
@@ -37,7 +37,7 @@ def pvpython(tmp_path):
     def run(script, *arguments, screen=False, **more):
         file = tmp_path / "script.py"
         file.write_text(f"PLUGIN = {str(PLUGIN)!r}\nROOT = {str(ROOT)!r}\nfrom paraview.simple import *\n{script}")
-        start = [program("xvfb-run"), *SCREEN] if screen else []
+        start = [program("xvfb-run"), *virtual_screen()] if screen else []
         return finished([*start, executable, str(file), *map(str, arguments)], tmp_path, more)
 
     return run
@@ -82,7 +82,7 @@ def in_one_pvpython(tmp_path_factory):
         parts = [f"begin({name!r})\n{script}" for name, script in scripts.items()]
         head = f"PLUGIN = {str(PLUGIN)!r}\nROOT = {str(ROOT)!r}\nfrom paraview.simple import *\n{BEGIN}"
         (folder / "script.py").write_text(head + "\n".join(parts))
-        start = [program("xvfb-run"), *SCREEN] if screen else []
+        start = [program("xvfb-run"), *virtual_screen()] if screen else []
         done = finished([*start, executable, "script.py"], folder, more)
         assert done.returncode == 0, done.stderr
         printed, said = (PART.split(text) for text in (done.stdout, done.stderr))
@@ -106,7 +106,7 @@ def paraview(tmp_path):
         if script:
             (tmp_path / "script.py").write_text(f"from paraview.simple import *\n{script}")
             extra = [f"--script={tmp_path / 'script.py'}"]
-        command = [screen, *SCREEN, "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
+        command = [screen, *virtual_screen(), "-s", "-screen 0 1600x1000x24", executable, "--dr", *extra]
         command += [f"--test-directory={tmp_path}", f"--test-script={xml}", "--exit"]
         return finished(command, tmp_path, more)
 
