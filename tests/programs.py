@@ -20,7 +20,7 @@ KEPT = os.environ.get("TETRASKEL_RANKS_CACHE", str(ROOT / ".pvpython-packages" /
 
 
 def virtual_screen():
-    """Words for xvfb-run: it looks for a free screen from a number on, far from those of what starts at the same time."""
+    """Words for xvfb-run, which looks for a free screen from a number on: far from what starts at the same time."""
     return ("-a", "-n", str(100 + next(_screens) % 800))
 
 
