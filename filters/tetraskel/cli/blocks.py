@@ -15,7 +15,7 @@ from tetraskel.errors import InputError
 from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
 
 AS_MANY_AS_NEEDED = 0
-CURVE_BYTES = 1600  # of the process for each point of the curve skeleton (docs/speed.md)
+CURVE_BYTES = 2200  # of the process for each point of the curve skeleton (docs/speed.md)
 HELP = (
     f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
     "beside OUT instead of memory; the same result, slower"
