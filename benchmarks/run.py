@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import subprocess
 import sys
 import time
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,14 @@ from engines import ENGINES, installed
 
 CLOUDS = ("uniform", "surface", "lattice")
 STAGES = ("triangulate", "build_tree", "curve_skeleton")
+INTRODUCTION = """# Engines and stages
+
+Seconds by the clock (share of Qhull's in the same run) and peak memory of the process, medians of up to {repeats} runs
+on {cores} cores, {date}, by `benchmarks/run.py`. Below the engines are stages of the chain, each with what it needs made
+before: the tree, and the curve skeleton from a triangulation on. Uniform points and lattices are no surfaces: all is
+inside there, and the curve skeleton of a full cube has most of its work for nothing.
+
+![Seconds over points](pictures/benchmarks.png)"""
 COMPILED_WITH = 300  # points of a first, untimed call
 
 
@@ -133,7 +143,7 @@ def plot(results: dict, names: list[str], path: Path) -> None:
         axis.set(title=kind, xlabel="points")
         axis.grid(alpha=0.3)
     axes[0].set_ylabel("seconds")
-    axes[0].legend()
+    axes[-1].legend(loc="lower right")
     figure.tight_layout()
     path.parent.mkdir(exist_ok=True, parents=True)
     figure.savefig(path, dpi=110)
@@ -152,7 +162,7 @@ def main() -> None:
         measure(arguments.one[0], arguments.one[1], int(arguments.one[2]))
         return
     names = [*installed(), *STAGES]
-    results, text = {}, ["# Engines and stages\n", "Seconds (share of Qhull's in the same run) and peak memory."]
+    results, text = {}, [INTRODUCTION.format(repeats=arguments.repeats, cores=os.cpu_count(), date=date.today())]
     for kind in CLOUDS:
         results[kind] = rows(names, kind, arguments.sizes, arguments)
         text.append(table(names, kind, arguments.sizes, results[kind], arguments.limit))
