@@ -27,8 +27,8 @@ INTRODUCTION = """# Engines and stages
 
 Seconds by the clock (share of Qhull's in the same run) and peak memory of the process, medians of up to {repeats} runs
 on {cores} cores, {date}, by `benchmarks/run.py`. Below the engines are stages of the chain, each with what it needs
-made before: the tree, and the curve skeleton from a triangulation on. Uniform points and lattices are no surfaces: all is
-inside there, and the curve skeleton of a full cube has most of its work for nothing.
+made before: the tree, and the curve skeleton from a triangulation on. Uniform points and lattices are no surfaces: all
+is inside there, and the curve skeleton of a full cube has most of its work for nothing.
 
 ![Seconds over points](pictures/benchmarks.png)"""
 COMPILED_WITH = 300  # points of a first, untimed call
