@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "docs")]
 from make_pictures import GALLERY_POINTS
 
-from tubes import TUBES, Tube
+from tubes import TUBES, Tube, radius_error
 
 N_POINTS, SEED = 8000, 2
 
@@ -48,14 +48,6 @@ def row(name: str, tube: Tube, skeleton: Skeleton) -> str:
         f"{ends.min():.0f} to {ends.max():.0f}" if len(ends) else "",
     ]
     return f"| {' | '.join(cells)} |"
-
-
-def radius_error(skeleton: Skeleton, tube: Tube) -> float:
-    """Mean error of the radius over the local one, away from junctions."""
-    junctions = skeleton.points[skeleton.node_type == JUNCTION]
-    away = np.array([np.linalg.norm(junctions - p, axis=1).min(initial=np.inf) for p in skeleton.points])
-    error = np.abs(skeleton.radius / tube.local_radius(skeleton.points) - 1)
-    return float(error[away > 1.5 * skeleton.radius].mean())
 
 
 def ends_off(skeleton: Skeleton, tube: Tube) -> np.ndarray:

@@ -8,6 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.curve_skeleton import JUNCTION, Skeleton
+
 Floats = NDArray[np.float64]
 
 
@@ -45,6 +47,15 @@ class Tube:
         """Radius of the nearest axis."""
         away = np.array([distance_to(axis, places) for axis in self.axes])
         return np.asarray(self.radii)[away.argmin(axis=0)]
+
+
+def radius_error(skeleton: Skeleton, tube: Tube) -> float:
+    """Mean error of the radius over the local one, away from junctions."""
+    junctions = skeleton.points[skeleton.node_type == JUNCTION]
+    away = np.array([np.linalg.norm(junctions - p, axis=1).min(initial=np.inf) for p in skeleton.points])
+    alone = away > 1.5 * skeleton.radius
+    error = np.abs(skeleton.radius / tube.local_radius(skeleton.points) - 1)
+    return float(error[alone].mean())
 
 
 def around(axis: Floats, radius: float, n: int, rng: np.random.Generator) -> Floats:

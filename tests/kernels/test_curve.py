@@ -13,13 +13,13 @@ from tetraskel.errors import Aborted, InputError
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.compilation import SWITCH, numba_is_used
 from tetraskel.kernels.curve import CurveModel, curve_model, curve_skeleton, draw_curve
-from tetraskel.kernels.curve_skeleton import END, JUNCTION, Skeleton
+from tetraskel.kernels.curve_skeleton import END, Skeleton
 from tetraskel.kernels.inside_check import facets_between, stays_inside
 from tetraskel.kernels.measures import graph_numbers, measure, samples_along
 from tetraskel.kernels.triangulate import triangulate
 
 sys.path.append(str(Path(__file__).parents[1]))
-from tubes import TUBES, Tube, circle, cylinder, line
+from tubes import TUBES, Tube, circle, cylinder, line, radius_error
 
 DENSITIES = dict.fromkeys(TUBES, (1000, 3000, 9000)) | {"helix": (8000, 10000, 12000), "tree": (1000, 4000, 12000)}
 NOISY = dict.fromkeys(TUBES, (6000, 11000)) | {"helix": (9000, 14000), "tree": (9000, 14000)}
@@ -64,15 +64,6 @@ def check_against_axis(skeleton: Skeleton, tube: Tube) -> None:
     assert topology(skeleton) == expected(tube)
     places, weights = samples_along(skeleton, 400)
     assert (weights * tube.axis_distance(places)).sum() / weights.sum() < 0.05
-
-
-def radius_error(skeleton: Skeleton, tube: Tube) -> float:
-    """Mean error of the radius over the local one, away from junctions."""
-    junctions = skeleton.points[skeleton.node_type == JUNCTION]
-    away = np.array([np.linalg.norm(junctions - p, axis=1).min(initial=np.inf) for p in skeleton.points])
-    alone = away > 1.5 * skeleton.radius
-    error = np.abs(skeleton.radius / tube.local_radius(skeleton.points) - 1)
-    return float(error[alone].mean())
 
 
 @pytest.fixture(scope="module")
