@@ -9,6 +9,7 @@ inside by gates and takes noise out, the tree takes all simplices of the points 
 from __future__ import annotations
 
 import argparse
+import sys
 
 from tetraskel.cli.arguments import add_options, names_of, refuse, values
 from tetraskel.cli.outputs import OutputFile
@@ -119,8 +120,6 @@ def _extra_writers(chosen: argparse.Namespace) -> dict:
 
 def _write_sheets(sheets, path) -> None:
     """Write the sheets; where there are none, say so."""
-    import sys
-
     from tetraskel.cli.files import write_by_suffix
 
     write_by_suffix(sheets, path)
