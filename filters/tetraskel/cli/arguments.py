@@ -100,10 +100,11 @@ def _expect_of_use(chosen: argparse.Namespace, options: type[Options]) -> None:
     asked = {declared.name: declared for declared in _asked(options)}
     for declared in asked.values():
         other, word = declared.metadata["when"] or ("", "")
-        if other in asked:
-            name = _name(asked[other])
-            met = getattr(chosen, name) == type(asked[other].default)(word)
-            refuse(chosen, () if met else (_name(declared),), f"{_flag(name)} {word}", f"{_flag(name)} {{{name}}}")
+        if other not in asked:
+            continue
+        name = _name(asked[other])
+        if getattr(chosen, name) != type(asked[other].default)(word):
+            refuse(chosen, [_name(declared)], f"{_flag(name)} {word}", f"{_flag(name)} {{{name}}}")
 
 
 def refuse(chosen: argparse.Namespace, names: Iterable[str], needed: str, instead: str) -> None:
