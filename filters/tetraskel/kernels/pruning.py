@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick
-from tetraskel.kernels.exposure import Balls, in_covers, significance, thinned
+from tetraskel.kernels.exposure import Balls, distances, in_covers, significance, thinned
 from tetraskel.kernels.medial_tree import way_up
 
 Floats = NDArray[np.float64]
@@ -55,10 +55,9 @@ def prune(parent: Ints, balls: Balls, start: Ints, tips: Ints, diagonal: float, 
 class _Fringe:
     """The tips that are left (`left`), and how far each pokes out of all that is not its own way alone.
 
-    `excess` and `ratio` (2, k) are those of `Exposure`, `alone` (k,) the distance to the next tip, or how far both are
-    from where they meet (`limbs`, (k, k)) if that is more. Trails are cut into
-    pieces where others join them; `through` (k, p) says which pieces lie on the way of which tip. The last piece is
-    the start, which is nobody's.
+    `excess` and `ratio` (2, k) are those of `Exposure`, `alone` (k,) is how far `apart` (k, k) the next tip is. Trails
+    are cut into pieces where others join them; `through` (k, p) says which pieces lie on the way of which tip. The last
+    piece is the start, which is nobody's.
     """
 
     def __init__(self, parent: Ints, balls: Balls, start: Ints, tips: Ints) -> None:
@@ -72,7 +71,9 @@ class _Fringe:
         self.shared_by = np.append(self.through.sum(axis=0), len(tips))
         self.excess, self.ratio = np.empty((2, len(tips))), np.empty((2, len(tips)))
         self.nearest = np.empty((4, len(tips)), np.int64)  # pieces that give the four
-        self.limbs = _limbs(parent, balls, pieces, self.through)
+        self.apart = np.maximum(
+            distances(balls.positions[tips], balls.positions[tips]), _limbs(parent, balls, pieces, self.through)
+        )
         self.alone, self.neighbour = np.full(len(tips), np.inf), np.full(len(tips), -1)
         for tip in range(len(tips)):
             self._measure(tip)
@@ -109,8 +110,7 @@ class _Fringe:
         others = np.flatnonzero(self.left & (np.arange(len(self.tips)) != tip))
         self.alone[tip], self.neighbour[tip] = np.inf, -1
         if len(others):
-            gaps = self.balls.positions[self.tips[others]] - self.balls.positions[self.tips[tip]]
-            away = np.maximum(np.sqrt((gaps**2).sum(axis=1)), self.limbs[tip, others])
+            away = self.apart[tip, others]
             self.alone[tip], self.neighbour[tip] = away.min(), others[away.argmin()]
 
 
