@@ -29,8 +29,7 @@ from objects import Thing, things
 from pictures import draw_all
 
 from tetraskel.kernels.drawn_measures import distances_to_union
-from tetraskel.kernels.measures import _along as inside_and_centredness
-from tetraskel.kernels.measures import balls_along, graph_numbers, samples_along
+from tetraskel.kernels.measures import balls_along, graph_numbers, inside_and_centredness, samples_along
 from tetraskel.kernels.surface_rays import nearest_on_surface, surface_of, surface_samples
 from tetraskel.vtkfilters.curve_skeleton import skeleton_from
 
@@ -51,6 +50,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--meshes", help="folder of closed meshes (.obj) beside the analytic objects")
     parser.add_argument("--out", default="docs", help="folder for the table and the pictures")
     parser.add_argument("--objects", default="", help="names with commas between them; all by default")
+    parser.add_argument("--programs", default=",".join(PROGRAMS), help="names with commas between them; all by default")
     parser.add_argument("--sizes", default=",".join(map(str, SIZES)), help="numbers of points")
     parser.add_argument("--seconds", type=float, default=120.0, help="of the processor, for all sizes of one object")
     return parser.parse_args()
@@ -64,7 +64,7 @@ def main() -> None:
     for thing in things(chosen.meshes, list(filter(None, chosen.objects.split(",")))):
         with tempfile.TemporaryDirectory() as folder:
             meshes, truth = written(thing, sizes, Path(folder)), thing.resampled(TRUTH)
-            for name in PROGRAMS:
+            for name in chosen.programs.split(","):
                 python = sys.executable if name == "tetraskel" else chosen.python
                 drawn(name, python, meshes, Path(folder), environment, chosen.seconds)
                 for size in sizes:

@@ -63,7 +63,7 @@ def measure(skeleton: Skeleton, surface: tuple[ArrayLike, ArrayLike], *, tick: T
     expect_extent(vertices)
     target = surface_of(vertices, triangles)
     diagonal = float(np.sqrt((np.ptp(vertices, axis=0) ** 2).sum()))
-    inside, centredness = _along(skeleton, target, part(tick, 0.0, 0.9))
+    inside, centredness = inside_and_centredness(skeleton, target, part(tick, 0.0, 0.9))
     distance = 100 / diagonal * distances_to_balls(skeleton, surface_samples(target, SURFACE_SAMPLES))
     tick(1.0)
     return {
@@ -105,7 +105,7 @@ def count_components(edges: Ints, n: int) -> int:
     return sum(find(point) == point for point in range(n))
 
 
-def _along(skeleton: Skeleton, surface: Surface, tick: Tick) -> tuple[float, float]:
+def inside_and_centredness(skeleton: Skeleton, surface: Surface, tick: Tick = silent) -> tuple[float, float]:
     """Share of the length inside, and mean centredness of that share."""
     places, weights = samples_along(skeleton, SAMPLES)
     inside = inside_surface(surface, places)
