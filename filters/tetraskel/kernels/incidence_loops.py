@@ -35,7 +35,7 @@ def facets_of(simplices, neighbors):
 
 
 @inner
-def sort_part(values, start, stop):
+def _sort(values, start, stop):
     """Sort a part of an array (Shell 1959, with the gaps of Ciura 2001: the parts are short, save for a few)."""
     gap = 1
     while 2.25 * gap < stop - start:
@@ -93,7 +93,7 @@ def rings(corners, outer, n_points):
     ridge_points = np.empty((most, 2), np.int32)
     flat_ridges, ridge, n_in_rings = facet_ridges.ravel(), 0, 0
     for point in range(n_points):
-        sort_part(edges, start[point], start[point + 1])
+        _sort(edges, start[point], start[point + 1])
         first = start[point]
         while first < start[point + 1]:
             last = first
@@ -113,7 +113,7 @@ def rings(corners, outer, n_points):
 
 @inner
 def _sort_by_columns(keys, last, cells, start, stop):
-    """Sort a part of three arrays by the first, then by the second; see `sort_part`."""
+    """Sort a part of three arrays by the first, then by the second; see `_sort`."""
     gap = 1
     while 2.25 * gap < stop - start:
         gap = int(2.25 * gap) + 1

@@ -10,10 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from tetraskel.kernels.compilation import inlined
-from tetraskel.kernels.incidence_loops import sort_part
 from tetraskel.kernels.voronoi_faces import AHEAD, EDGES, WEDGE_BITS
 
-CORNERS = np.array(EDGES)
+# the row of EDGES that two corners of a tetrahedron have
+SLOTS = np.array(
+    [
+        [max(slot for slot, edge in enumerate(EDGES) if i == j or {i, j} == set(edge[:2])) for j in range(4)]
+        for i in range(4)
+    ]
+)
 SLOT_BITS = (1 << WEDGE_BITS) - 1
 
 
@@ -111,38 +116,65 @@ def ranked(groups, values, last, n_groups):
 
 
 def edges_and_wedges(simplices, signs, starts, cells, wanted):
-    """See `voronoi_faces.voronoi_faces`."""
-    n_points, n_wedges = len(starts) - 1, 0
+    """See `voronoi_faces.voronoi_faces`.
+
+    Strategy: the simplices around a point name its edges to larger points; each new name gets a list, and only the few
+    names are sorted.
+    """
+    n_points, n_wedges, most = len(starts) - 1, 0, 0
     for i in range(len(wanted)):
         for slot in range(6):
             n_wedges += wanted[i, slot]
-    keys, begins = np.empty(n_wedges + 1, np.int64), np.empty(n_wedges + 1, np.int64)
-    wedges, names, n_keys, n_wedges = np.empty(n_wedges, np.int64), np.empty(64, np.int64), 0, 0
-    bits = 1
-    while (len(simplices) << WEDGE_BITS) >> bits:
-        bits += 1
     for point in range(n_points):
-        if 3 * (starts[point + 1] - starts[point]) > len(names):
-            names = np.empty(6 * (starts[point + 1] - starts[point]), np.int64)
-        n = 0
+        most = max(most, 3 * (starts[point + 1] - starts[point]))
+    keys, begins, wedges = np.empty(n_wedges, np.int64), np.zeros(n_wedges + 1, np.int64), np.empty(n_wedges, np.int64)
+    number = np.full(
+        n_points, -1, np.int64
+    )  # of an edge at the point, by its other end; below `first` it is of another
+    others, ends = np.empty(most, np.int64), np.empty(most, np.int64)
+    listed, owner = np.empty(most, np.int64), np.empty(most, np.int64)
+    first, n_wedges = 0, 0
+    for point in range(n_points):
+        n, n_edges = 0, 0
         for place in range(starts[point], starts[point + 1]):
-            cell = np.int64(cells[place])
-            for slot in range(6):
-                first, second = simplices[cell, CORNERS[slot, 0]], simplices[cell, CORNERS[slot, 1]]
-                if min(first, second) == point and wanted[cell, slot]:
-                    swapped = (first > second) != (signs[cell] < 0)
-                    names[n] = (np.int64(max(first, second)) << bits) | (cell << WEDGE_BITS) | (2 * slot + swapped)
-                    n += 1
-        sort_part(names, 0, n)
+            cell, here = np.int64(cells[place]), 0
+            while simplices[cell, here] != point:
+                here += 1
+            for k in range(4):
+                other, slot = simplices[cell, k], SLOTS[here, k]
+                if other <= point or not wanted[cell, slot]:
+                    continue
+                if number[other] < first:
+                    number[other] = first + n_edges
+                    others[n_edges], ends[n_edges] = other, 0
+                    n_edges += 1
+                owner[n] = number[other] - first
+                listed[n] = (cell << WEDGE_BITS) | (2 * slot + ((here > k) != (signs[cell] < 0)))
+                ends[owner[n]] += 1
+                n += 1
+        _ranges_by(others, ends, n_edges, keys, begins, first, n_wedges, point)
         for i in range(n):
-            other = names[i] >> bits
-            if i == 0 or other != names[i - 1] >> bits:
-                keys[n_keys], begins[n_keys] = (np.int64(point) << 32) | other, n_wedges
-                n_keys += 1
-            wedges[n_wedges] = names[i] & ((np.int64(1) << bits) - 1)
-            n_wedges += 1
-    begins[n_keys] = n_wedges
-    return keys[:n_keys].copy(), begins[: n_keys + 1].copy(), wedges
+            wedges[n_wedges + ends[owner[i]]] = listed[i]
+            ends[owner[i]] += 1
+        first, n_wedges = first + n_edges, n_wedges + n
+    begins[first] = n_wedges
+    return keys[:first].copy(), begins[: first + 1].copy(), wedges
+
+
+@inlined
+def _ranges_by(others, ends, n_edges, keys, begins, first, n_wedges, point):
+    """Edges of a point by their other ends: their keys, and where their lists begin, in place of their lengths."""
+    for i in range(n_edges):
+        j = first + i
+        while j > first and keys[j - 1] > others[i]:
+            keys[j], begins[j] = keys[j - 1], begins[j - 1]
+            j -= 1
+        keys[j], begins[j] = others[i], i
+    total = 0
+    for j in range(first, first + n_edges):
+        edge = begins[j]
+        keys[j], begins[j] = (np.int64(point) << 32) | keys[j], n_wedges + total
+        total, ends[edge] = total + ends[edge], total
 
 
 @inlined
