@@ -39,7 +39,7 @@ def barycentric_frames(coordinates: Floats, simplices: Ints) -> tuple[Floats, Fl
             for axis in range(3):
                 p, q = (axis + 1) % 3, (axis + 2) % 3
                 normals[:, i, axis] = u[:, p] * v[:, q] - u[:, q] * v[:, p]
-    return first, normals, _dots(sides[:, 0], normals[:, 0])
+    return first, normals, dots(sides[:, 0], normals[:, 0])
 
 
 def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats) -> Floats:
@@ -48,7 +48,7 @@ def barycentric_coordinates(coordinates: Floats, simplices: Ints, places: Floats
     result = np.full(simplices.shape, -np.inf)
     solid = is_solid(coordinates, simplices, volumes)
     scale = np.where(solid, volumes, 1.0)
-    weights = _dots(normals, (places - first)[:, None]) / scale[:, None]
+    weights = dots(normals, (places - first)[:, None]) / scale[:, None]
     total = weights[:, 0] + weights[:, 1]
     if weights.shape[1] == 3:
         total = total + weights[:, 2]
@@ -65,12 +65,12 @@ def is_solid(coordinates: Floats, simplices: Ints, volumes: Floats) -> Bools:
 def _edge_products(coordinates: Floats, simplices: Ints) -> Floats:
     """(k,) product of the squared edges at the first corner: the largest squared volume (times d!) they can span."""
     sides = coordinates[simplices[:, 1:]] - coordinates[simplices[:, :1]]
-    squares = _dots(sides, sides)
+    squares = dots(sides, sides)
     product = squares[:, 0] * squares[:, 1]
     return np.asarray(product if squares.shape[1] == 2 else product * squares[:, 2])
 
 
-def _dots(a: Floats, b: Floats) -> Floats:
+def dots(a: Floats, b: Floats) -> Floats:
     """Scalar products along the last axis, added from the first term on: in any loop the same to the last bit."""
     total = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
     return np.asarray(total if a.shape[-1] == 2 else total + a[..., 2] * b[..., 2])

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.chunks import Tick
+from tetraskel.kernels.barycentric import dots
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_lines import (
     ON_BORDER,
     Intervals,
@@ -52,6 +54,8 @@ def on_edges(neighbours: Neighbours, keys: Ints, tick: Tick) -> tuple[Ints, Ints
         lines, before, cells = lines[on], cells[on], got.after[on]
         # a cell whose whole share rounding took ends where it begins, anywhere: the place is on the edge all the same
         found.append((lines, edge_keys_of(before, cells), np.fmax(np.fmin(got.high[on], 1.0), 0.0)))
+        ahead = np.flatnonzero(cells != stop[lines])  # the cell of the edge's end is the last one
+        lines, cells = lines[ahead], cells[ahead]
     if not found:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
     line, pair, place = (np.concatenate(column) for column in zip(*found, strict=True))
@@ -88,6 +92,33 @@ def _not_yet(keys: NDArray[np.uint64], seen: NDArray[np.uint64]) -> Ints:
     if len(seen) == 0:
         return np.asarray(first)
     return np.asarray(first[seen[np.minimum(np.searchsorted(seen, once), len(seen) - 1)] != once])
+
+
+def on_triangles_compiled(
+    mesh: tuple[Floats, Ints], stars: tuple[Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
+) -> tuple[Met, Ints, Floats, Floats]:
+    """The same as `on_triangles`, by numba: a triangle is done before the next, its edges with it.
+
+    Places closer than `same` where the same cells meet on a triangle are one.
+    """
+    coordinates, simplices = mesh
+    around = call_compiled("voronoi_loops.neighbours", (simplices, *stars), tick, 1.0)
+    pieces: dict[int, tuple[NDArray, ...]] = {}
+
+    def work(piece: slice) -> None:
+        arguments = (coordinates, *around, same, facets[piece], outward[piece])
+        met, spots, pairs, segments = call_compiled("boundary_loops.on_triangles", arguments, silent, 1.0)
+        met[:, 3] += piece.start
+        pairs[:, 1] += piece.start
+        pieces[piece.start] = met, spots, pairs, segments
+
+    work(slice(0, 0))  # compiles
+    for_chunks(work, len(facets), tick)
+    met, spots, pairs, segments = (
+        np.concatenate(column) for column in zip(*map(pieces.get, sorted(pieces)), strict=True)
+    )
+    found = Met(met[:, :3], spots, outward[met[:, 3]], met[:, 4] != 0)
+    return found, pairs[:, 0], segments.reshape(-1, 2, 3), outward[pairs[:, 1]]
 
 
 def on_triangles(
@@ -156,30 +187,25 @@ def _starts(facets: Ints, keys: Ints, lines: Ints, pairs: Ints) -> tuple[Ints, I
     return triangles[new], pairs[places][new]
 
 
-def _dot(a: Floats, b: Floats) -> Floats:
-    """Scalar products of rows: many times faster than a sum along the short axis."""
-    return np.asarray(np.einsum("ka,ka->k", a, b))
-
-
 def _common_lines(x: Floats, triangles: Ints, normals: Floats, low: Ints, high: Ints) -> tuple[Floats, Floats, Floats]:
     """Lines in the triangles' planes that are equally far from two generators, and their parts in the triangles.
 
     Where the planes are parallel the part is empty: the Voronoi face lies in the boundary and does not cross it.
     """
     across = x[high] - x[low]
-    in_plane = across - normals * _dot(across, normals)[:, None]
+    in_plane = across - normals * dots(across, normals)[:, None]
     ways = np.cross(normals, in_plane)
-    square = _dot(in_plane, in_plane)
+    square = dots(in_plane, in_plane)
     corners = x[triangles]
-    to_middle = _dot((x[high] + x[low]) / 2 - corners[:, 0], across)
-    parallel = square <= np.finfo(float).eps * _dot(across, across)
+    to_middle = dots((x[high] + x[low]) / 2 - corners[:, 0], across)
+    parallel = square <= np.finfo(float).eps * dots(across, across)
     origins = corners[:, 0] + in_plane * (to_middle / np.where(parallel, 1.0, square))[:, None]
     spans = np.tile([-np.inf, np.inf], (len(low), 1))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         inward = np.cross(normals, corners[:, j] - corners[:, i])
-        inward *= np.sign(_dot(inward, corners[:, k] - corners[:, i]))[:, None]
-        gap = _dot(inward, origins - corners[:, i])
-        slope = _dot(inward, ways)
+        inward *= np.sign(dots(inward, corners[:, k] - corners[:, i]))[:, None]
+        gap = dots(inward, origins - corners[:, i])
+        slope = dots(inward, ways)
         with np.errstate(divide="ignore", invalid="ignore"):
             place = -gap / slope
         spans[:, 0] = np.where(slope > 0, np.maximum(spans[:, 0], place), spans[:, 0])

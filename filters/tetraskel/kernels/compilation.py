@@ -23,6 +23,11 @@ FOLDER = "TETRASKEL_NUMBA_PATH"  # a folder with numba and llvmlite, for a Pytho
 BESIDE = "numba_packages"  # the name of such a folder beside the plugin, which needs no variable
 CACHE = "NUMBA_CACHE_DIR"  # numba's own variable; respected
 KERNELS = Path(__file__).resolve().parent
+# modules that compiled loops of other modules take functions or constants from
+SHARED = (
+    *("compiled_heaps", "barycentric", "passage_widths", "polygon_slabs"),
+    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops"),
+)
 
 logger = logging.getLogger("tetraskel")
 
@@ -150,7 +155,7 @@ def cache_folder() -> Path:
     """
     version = hashlib.sha256(getattr(_numba_module(), "__version__", "").encode())  # one numba discards another's
     here = Path(__file__)
-    shared = [here.with_name(name) for name in ("compiled_heaps.py", "barycentric.py", "passage_widths.py")]
+    shared = [here.with_name(name + ".py") for name in SHARED]
     for file in [here, *shared, *sorted(here.parent.glob("exact/*.py"))]:
         version.update(file.read_bytes())
     name = f"tetraskel-{version.hexdigest()[:16]}"

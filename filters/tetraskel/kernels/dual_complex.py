@@ -92,7 +92,7 @@ def facets_of(simplices: Ints, neighbors: Ints, tick: Tick = silent) -> Facets:
         The points of each ascending; -1 beyond the boundary.
     """
     if simplices.shape[1] == 4:
-        found = call_compiled("facets_of", (simplices, neighbors), tick, FACET_SECONDS * len(simplices))
+        found = call_compiled("incidence_loops.facets_of", (simplices, neighbors), tick, FACET_SECONDS * len(simplices))
         if found is not None:
             return Facets(*found)
     cells, opposite = np.nonzero(neighbors > np.arange(len(neighbors), dtype=neighbors.dtype)[:, None])
@@ -138,7 +138,7 @@ def edge_keys(triangles: Ints) -> NDArray[np.int64]:
 def _rings_of_edges(facets: Facets, n_points: int, tick: Tick) -> tuple[Ints, Ints, Ints, Ints]:
     """Ridges of each facet, rings of each ridge, and the ridges' points, of a mesh of tetrahedra."""
     arguments = (facets.points, facets.outer, n_points)
-    found = call_compiled("rings", arguments, tick, RING_SECONDS * len(facets.points))
+    found = call_compiled("incidence_loops.rings", arguments, tick, RING_SECONDS * len(facets.points))
     if found is not None:
         facet_ridges, ring_start, ring_facets, ridge_points = found
         return facet_ridges, ring_start, ring_facets, ridge_points

@@ -79,7 +79,7 @@ def chosen_simplices(mesh: Triangulation, cells: Ints, number: Ints, tick: Tick)
     """Simplices and neighbours (k, d+1) of some `cells`, sorted by their points, which have new numbers (n,)."""
     if mesh.dim == 3:
         arguments = (mesh.simplices, mesh.neighbors, cells, number, len(number))
-        found = call_compiled("chosen_simplices", arguments, tick, SECONDS_PER_CELL * len(cells))
+        found = call_compiled("incidence_loops.chosen_simplices", arguments, tick, SECONDS_PER_CELL * len(cells))
         if found is not None:
             return found
     simplices = number[mesh.simplices[cells]]

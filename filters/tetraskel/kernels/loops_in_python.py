@@ -82,10 +82,11 @@ def run_compiled(
 
 
 def call_compiled(name: str, arguments: Sequence[Any], tick: Tick, expected_seconds: float) -> Any:
-    """The result of `incidence_loops.<name>(*arguments)`; None without numba. `tick` as in `run_loop`."""
+    """The result of a loop, "module.function", of these arguments; None without numba. `tick` as in `run_loop`."""
     if not numba_is_used():
         return None
-    return wait_for(lambda: _loop("incidence_loops", name)(*map(_contiguous, arguments)), tick, expected_seconds)
+    module, function = name.split(".")
+    return wait_for(lambda: _loop(module, function)(*map(_contiguous, arguments)), tick, expected_seconds)
 
 
 def _loop(module: str, name: str) -> Any:
@@ -100,4 +101,6 @@ def _compiled(loop: Callable[..., None]) -> Any:
 
 def _contiguous(values: Any) -> Any:
     """Arrays in one layout: no loop is compiled twice for another one."""
+    if isinstance(values, tuple):
+        return tuple(map(_contiguous, values))
     return np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values

@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
+from tetraskel.kernels.chunks import for_chunks, silent
+from tetraskel.kernels.compilation import numba_is_used
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.polygon_slabs import (
     BOTTOM,
     ENTER,
@@ -45,8 +49,59 @@ def clipped_faces(
     starts : (p+1,) int
     corners : (total, 3) float
     """
-    found, n, total = [], len(faces.keys), 0
     plain = plain_edges(diagram, crossings, inside)
+    if not numba_is_used() or len(faces.keys) == 0:
+        return _clip_in_pieces(diagram, crossings, inside, plain, faces)
+    polygons, corners, unsure = _clip_compiled(diagram, crossings, inside, plain, faces)
+    rest = np.flatnonzero(unsure)
+    face, begins, others = _clip_in_pieces(diagram, crossings, inside, plain, faces.some(rest))
+    return _together((polygons[:, 0], polygons[:, 1], corners), (rest[face], np.diff(begins), others))
+
+
+def _together(*several: tuple[Ints, Ints, Floats]) -> tuple[Ints, Ints, Floats]:
+    """Polygons, given by their faces, how many corners each has, and these, in the order of their faces."""
+    face, counts, corners = (np.concatenate(column) for column in zip(*several, strict=True))
+    order = np.argsort(face, kind="stable")
+    starts = np.cumsum(counts) - counts
+    begins = np.concatenate([[0], np.cumsum(counts[order])])
+    rows = np.arange(begins[-1]) + np.repeat(starts[order] - begins[:-1], counts[order])
+    return face[order], begins, corners[rows]
+
+
+def _clip_compiled(
+    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, plain: Bools, faces: VoronoiFaces
+) -> tuple[Ints, Floats, Bools]:
+    """Row of the face and number of corners of each polygon, the corners, and the faces of which nothing is said."""
+    keys, segments, outward = crossings.by_face
+    bounds = np.stack([np.searchsorted(keys, faces.keys, side) for side in ("left", "right")], axis=1)
+    first_crossing = np.concatenate([[0], np.cumsum(np.bincount(crossings.edges, minlength=len(diagram.ends)))])
+    crossed = (first_crossing, crossings.places, crossings.entering)
+    x = diagram.coordinates
+    ball = np.append((x.max(axis=0) + x.min(axis=0)) / 2, BALL * diagram.size)
+    shown = (diagram.positions, diagram.ends, diagram.neighbors, diagram.edge_of_first_half)
+    pieces: dict[int, tuple[NDArray, ...]] = {}
+
+    def work(piece: slice) -> None:
+        some = slice(faces.starts[piece.start], faces.starts[piece.stop])
+        starts = faces.starts[piece.start : piece.stop + 1] - faces.starts[piece.start]
+        given = (x, shown, (inside, plain), crossed, starts, faces.wedges[some], faces.generators[piece])
+        found = call_compiled("clip_loops.clipped", (*given, segments, outward, bounds[piece], ball), silent, 1.0)
+        found[0][:, 0] += piece.start
+        pieces[piece.start] = found
+
+    work(slice(0, 0))  # compiles
+    for_chunks(work, len(faces.keys), chunk=FACES)
+    polygons, corners, unsure = (
+        np.concatenate(column) for column in zip(*map(pieces.get, sorted(pieces)), strict=True)
+    )
+    return polygons, corners, unsure
+
+
+def _clip_in_pieces(
+    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, plain: Bools, faces: VoronoiFaces
+) -> tuple[Ints, Ints, Floats]:
+    """The same as `clipped_faces`, some faces at a time."""
+    found, n, total = [], len(faces.keys), 0
     for first in range(0, n, FACES):
         chosen = np.arange(first, min(first + FACES, n))
         face, begins, corners = _clip(diagram, crossings, inside, plain, faces.some(chosen))
@@ -97,12 +152,22 @@ def _clip(
     if len(unsure):
         middle = np.stack([u[unsure].mean(axis=1), (heights[unsure] + heights[unsure + 1]).mean(axis=1) / 2], axis=1)
         face = walls.polygon[wall[unsure]]
-        spots = origins[face] + np.einsum("ka,kab->kb", middle, axes[face])
+        spots = _in_space(middle, origins[face], axes[face])
         sides[unsure] = locate(diagram, faces.cells[faces.starts[face]], spots)
     parts = trapezoids_of(walls, cut, np.flatnonzero(sides == INSIDE))
     face, starts, corners = monotone_polygons(parts)
     owner = np.repeat(face, np.diff(starts))
-    return face, starts, origins[owner] + np.einsum("ka,kab->kb", corners, axes[owner])
+    return face, starts, _in_space(corners, origins[owner], axes[owner])
+
+
+def _in_space(places: Floats, origins: Floats, axes: Floats) -> Floats:
+    """(k, 3) places that have two coordinates along two axes."""
+    return origins + (places[:, :1] * axes[:, 0] + places[:, 1:] * axes[:, 1])
+
+
+def _in_plane(places: Floats, origins: Floats, axes: Floats) -> Floats:
+    """(k, 2, 2) coordinates along two axes of two places each."""
+    return dots((places - origins[:, None])[:, :, None], axes[:, None])
 
 
 def _own_walls(
@@ -125,7 +190,7 @@ def _own_walls(
     start, stop = diagram.positions[diagram.ends[edge, 0]], diagram.positions[diagram.ends[edge, 1]]
     ends = start[:, None] + places[:, :, None] * (stop - start)[:, None]
     kept = places[:, 0] != places[:, 1]
-    flat = np.einsum("kea,kba->keb", ends - origins[face[rows], None], axes[face[rows]])
+    flat = _in_plane(ends, origins[face[rows]], axes[face[rows]])
     kinds = np.where(flat[:, 1, 0] > flat[:, 0, 0], BOTTOM, TOP)
     return face[rows][kept], flat[kept], kinds[kept], edge[kept], places[kept]
 
@@ -136,11 +201,11 @@ def _within_ball(diagram: VoronoiDiagram, edges: Ints, places: Floats) -> Floats
     middle, radius = (x.max(axis=0) + x.min(axis=0)) / 2, BALL * diagram.size
     start = diagram.positions[diagram.ends[edges, 0]] - middle
     way = diagram.positions[diagram.ends[edges, 1]] - middle - start
-    square = np.einsum("ka,ka->k", way, way)
+    square = dots(way, way)
     square[square == 0] = 1.0
-    nearest = -np.einsum("ka,ka->k", start, way) / square
+    nearest = -dots(start, way) / square
     off = start + nearest[:, None] * way
-    off = np.einsum("ka,ka->k", off, off)
+    off = dots(off, off)
     half = np.sqrt(np.maximum(radius**2 - off, 0) / square)
     low, high = np.clip(nearest - half, 0, 1), np.clip(nearest + half, 0, 1)
     return np.clip(places, low[:, None], high[:, None])
@@ -152,11 +217,12 @@ def _boundary_walls(
     """Polygon, ends and kind of the boundary's segments on the faces."""
     if len(faces.keys) == 0:
         return np.empty(0, np.int64), np.empty((0, 2, 2)), np.empty(0, np.int64)
-    first = np.searchsorted(crossings.faces, faces.keys[0])
-    some = crossings.faces[first : np.searchsorted(crossings.faces, faces.keys[-1], "right")]
+    keys, segments, outward = crossings.by_face
+    first = np.searchsorted(keys, faces.keys[0])
+    some = keys[first : np.searchsorted(keys, faces.keys[-1], "right")]
     place = np.searchsorted(faces.keys, some)
     rows = np.flatnonzero(faces.keys[place] == some)
     face, rows = place[rows], first + rows
-    ends = np.einsum("kea,kba->keb", crossings.segments[rows] - origins[face, None], axes[face])
-    up = np.einsum("ka,ka->k", crossings.outward[rows], axes[face, 1])
+    ends = _in_plane(segments[rows], origins[face], axes[face])
+    up = dots(outward[rows], axes[face, 1])
     return face, ends, np.where(up < 0, ENTER, LEAVE)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.boundary_division import Met, on_edges, on_triangles
+from tetraskel.kernels.boundary_division import Met, on_edges, on_triangles, on_triangles_compiled
 from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, outward_normals
-from tetraskel.kernels.voronoi_lines import Neighbours, edge_keys_of, split_keys, unique_edges
+from tetraskel.kernels.voronoi_lines import Neighbours, edge_keys_of, found_in, split_keys, unique_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -20,6 +22,9 @@ Bools = NDArray[np.bool_]
 # Crossings of one edge closer than this share of the bounding-box diagonal are one.
 SAME = 1e-9
 LIKELY_BITS = 22
+# An edge that meets the boundary within this share of its length from an end does so at that end: the end lies on the
+# boundary up to rounding.
+AT_END = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,8 +42,11 @@ class Crossings:
         The edge comes into the object, seen from its first end; else it leaves.
     sure : (k,) bool
         The edge goes through a boundary facet, not through its border, which it may merely touch.
+    touching : (m + h,) bool
+        Positions of the diagram that lie on the boundary, up to rounding; in general position there are none. Nothing
+        follows from such a vertex for those it is joined to.
     faces : (s,) int
-        Keys (`edge_keys_of`) of the Delaunay edges dual to the Voronoi faces that cross the boundary, ascending.
+        Keys (`edge_keys_of`) of the Delaunay edges dual to the Voronoi faces that cross the boundary.
     segments : (s, 2, d) float
         Straight pieces of the boundary on those faces.
     outward : (s, d) float
@@ -50,9 +58,16 @@ class Crossings:
     positions: Floats
     entering: Bools
     sure: Bools
+    touching: Bools
     faces: Ints
     segments: Floats
     outward: Floats
+
+    @cached_property
+    def by_face(self) -> tuple[Ints, Floats, Floats]:
+        """`faces`, ascending, `segments` and `outward`."""
+        order = np.argsort(self.faces, kind="stable")
+        return self.faces[order], self.segments[order], self.outward[order]
 
 
 def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
@@ -60,6 +75,9 @@ def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
     cells, opposite = _boundary(diagram)
     facets = _corners(diagram.simplices, cells, opposite)
     outward = outward_normals(diagram.coordinates, diagram.simplices, cells, opposite)
+    if diagram.dim == 3 and diagram.stars is not None:
+        mesh = diagram.coordinates, diagram.simplices
+        return _sorted(diagram, *on_triangles_compiled(mesh, diagram.stars, SAME * diagram.size, facets, outward, tick))
     asked = np.zeros(len(diagram.coordinates), bool)
     asked[facets] = True
     neighbours = Neighbours(diagram.coordinates, diagram.simplices, asked)
@@ -102,7 +120,7 @@ def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, ou
     length = np.einsum("ka,ka->k", way, way)
     places = np.einsum("ka,ka->k", positions - start, way) / np.where(length == 0, 1.0, length)
     entering = np.einsum("ka,ka->k", way, normals) < 0
-    order = np.lexsort([entering, places, edges])
+    order = _ranked(edges, places, entering, len(diagram.ends))
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
     entering, sure = entering[order], sure[order]
     # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
@@ -111,17 +129,31 @@ def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, ou
     first[1:] = (edges[1:] != edges[:-1]) | (entering[1:] != entering[:-1]) | away
     once = np.flatnonzero(first)
     sure = np.logical_or.reduceat(sure, once) if len(once) else sure
-    by_face = np.argsort(faces, kind="stable")
-    return Crossings(
-        edges[once],
-        places[once],
-        positions[once],
-        entering[once],
-        sure,
-        faces[by_face],
-        segments[by_face],
-        outward[by_face],
-    )
+    places, positions = places[once], positions[once]
+    touching = _touched(diagram, positions[(places <= AT_END) | (places >= 1 - AT_END) | ~sure])
+    return Crossings(edges[once], places, positions, entering[once], sure, touching, faces, segments, outward)
+
+
+def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
+    """(m + h,) positions of the diagram that are among some places, up to rounding."""
+    if len(touched) == 0:
+        return np.zeros(len(diagram.positions), bool)
+    step = AT_END * diagram.size
+    return found_in(_grid_keys(diagram.positions, step), _grid_keys(touched, step))
+
+
+def _grid_keys(positions: Floats, step: float) -> NDArray[np.uint64]:
+    """A random-looking number for each position, rounded."""
+    keys = np.zeros(len(positions), np.uint64)
+    for column in np.clip(np.rint(positions / step), -(2.0**62), 2.0**62).astype(np.int64).view(np.uint64).T:
+        keys = scramble(keys + column)
+    return keys
+
+
+def _ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
+    """Order by edge, then place, then direction."""
+    found = call_compiled("voronoi_loops.ranked", (edges, places, entering, n_edges), silent, 1.0)
+    return np.asarray(np.lexsort([entering, places, edges]) if found is None else found)
 
 
 def _edges_of(diagram: VoronoiDiagram, generators: Ints) -> Ints:
@@ -129,6 +161,13 @@ def _edges_of(diagram: VoronoiDiagram, generators: Ints) -> Ints:
 
     Facets are compared by the sums of random-looking numbers of their points, and then by the points.
     """
+    if diagram.dim == 3 and diagram.stars is not None:
+        arguments = (generators, diagram.simplices, *diagram.stars)
+        halves = call_compiled("voronoi_loops.facets_between", arguments, silent, 1.0)
+        found = np.full(len(halves), -1, np.int64)
+        rows = np.flatnonzero(halves >= 0)
+        found[rows] = diagram.edges_of_halves(halves[rows])
+        return found
     names = scramble(np.arange(len(diagram.coordinates), dtype=np.uint64))
     wanted = names[generators].sum(axis=1, dtype=np.uint64)
     once, back = np.unique(wanted, return_inverse=True)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.medial_nodes import FLAT, borrow_centres
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.passage_widths import circumscribed, corners_by_axis
@@ -87,13 +88,20 @@ class VoronoiDiagram:
         return here & there
 
     @cached_property
+    def stars(self) -> tuple[Ints, Ints] | None:
+        """Where the simplices around each generator begin, and these; None without numba."""
+        arguments = (self.simplices, len(self.coordinates))
+        found = call_compiled("voronoi_loops.stars", arguments, silent, 1.0)
+        return None if found is None else (found[0], found[1])
+
+    @cached_property
     def _labels_beside(self) -> tuple[Bools, Bools]:
         labels = np.append(self.inside, False)
         return labels[self.ends[:, 0]], labels[np.minimum(self.ends[:, 1], len(self.inside))]
 
     @cached_property
-    def _edge_of_first_half(self) -> Ints:
-        """(m * (d+1),) Voronoi edge of each facet of each simplex that is one of `halves`."""
+    def edge_of_first_half(self) -> Ints:
+        """(m * (d+1),) Voronoi edge of each facet of each simplex that is one of `halves`; others have any."""
         found = np.empty(self.simplices.size, np.int32)
         found[self.halves] = np.arange(len(self.halves), dtype=np.int32)
         return found
@@ -105,7 +113,7 @@ class VoronoiDiagram:
         second = np.flatnonzero(beyond > cells)
         first = halves.copy()
         first[second] = self._facing(beyond[second], cells[second])
-        return self._edge_of_first_half[first].astype(np.int64)
+        return self.edge_of_first_half[first].astype(np.int64)
 
     def on_halves(self, flags: Bools) -> Bools:
         """(m, d+1) flags of Voronoi edges (f,) for the facets of each simplex."""

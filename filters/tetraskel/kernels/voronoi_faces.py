@@ -8,7 +8,8 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.chunks import for_chunks
+from tetraskel.kernels.chunks import for_chunks, silent
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import split_keys
 
@@ -106,6 +107,9 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     wanted : (m, 6) bool
         Tetrahedra at their edges, in the order of EDGES.
     """
+    if diagram.stars is not None:
+        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted)
+        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments, silent, 1.0))
     edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
     wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
     in_one = 2 * edge_bits + wedge_bits <= MOST_BITS
@@ -168,6 +172,9 @@ def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces,
     misled : (q,) bool
         It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
+    found = call_compiled("voronoi_loops.follow", (diagram.neighbors, faces.starts, faces.wedges), silent, 1.0)
+    if found is not None:
+        return VoronoiFaces(faces.keys, faces.starts, found[0]), found[1], found[2]
     counts = faces.counts
     wedges = faces.wedges.copy()
     ended, misled = np.zeros(len(counts), bool), np.zeros(len(counts), bool)

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
 
 Floats = NDArray[np.float64]
@@ -81,7 +82,7 @@ class Neighbours:
         new_rows = slice(self._n_rows, self._n_rows + len(targets))
         self._make_room(new_rows.stop)
         self.targets[new_rows], self.ways[:, new_rows] = targets, ways.T
-        self.squares[new_rows] = np.einsum("ka,ka->k", ways, ways)
+        self.squares[new_rows] = dots(ways, ways)
         self._n_rows = new_rows.stop
         self._pairs = np.sort(np.concatenate([self._pairs, pairs]), kind="stable")  # runs in order are merged
 

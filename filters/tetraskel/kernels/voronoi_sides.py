@@ -10,60 +10,32 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.barycentric import barycentric_coordinates
-from tetraskel.kernels.voronoi_crossings import Crossings
+from tetraskel.kernels.voronoi_crossings import AT_END, Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_lines import found_in
 from tetraskel.kernels.walking import walk_to
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-# An edge that meets the boundary within this share of its length from an end does so at that end: the end lies on the
-# boundary up to rounding.
-AT_END = 1e-9
 # Barycentric coordinates down to this below 0 still count as inside the simplex a walk ended in.
 ABOUT = 1e-6
 
 
-def vertices_on_boundary(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
-    """(m + h,) positions that lie on the boundary, up to rounding; in general position there are none.
-
-    Nothing follows from such a vertex for those it is joined to.
-    """
-    result = np.zeros(len(diagram.positions), bool)
-    at_end = (crossings.places <= AT_END) | (crossings.places >= 1 - AT_END)
-    touched = crossings.positions[at_end | ~crossings.sure]
-    if len(touched):
-        step = AT_END * diagram.size
-        result = found_in(_grid_keys(diagram.positions, step), _grid_keys(touched, step))
-    return result
-
-
-def _grid_keys(positions: Floats, step: float) -> NDArray[np.uint64]:
-    """A random-looking number for each position, rounded."""
-    keys = np.zeros(len(positions), np.uint64)
-    for column in np.clip(np.rint(positions / step), -(2.0**62), 2.0**62).astype(np.int64).view(np.uint64).T:
-        keys = scramble(keys + column)
-    return keys
-
-
 def vertices_inside(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
     """(m + h,) positions of the diagram that lie in the object; circumcentres on its boundary do."""
-    touching = vertices_on_boundary(diagram, crossings)
-    piece = _pieces(diagram, crossings, touching)
+    piece = _pieces(diagram, crossings)
     votes = _votes(diagram, crossings, piece)
     _ask_the_rest(diagram, piece, votes)
     inside = np.zeros(len(diagram.positions), bool)
     inside[: len(piece)] = votes[piece] > 0
     inside[: len(piece)][diagram.centred & diagram.inside] = True
-    inside[: len(piece)][touching[: len(piece)]] = True
+    inside[: len(piece)][crossings.touching[: len(piece)]] = True
     return inside
 
 
-def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> Ints:
+def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
     """(m,) connected piece of each circumcentre along edges that neither cross nor touch the boundary."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
@@ -72,8 +44,8 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings, touching: Bools) -> I
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
-    if touching.any():
-        crossed |= touching[diagram.ends].any(axis=1)
+    if crossings.touching.any():
+        crossed |= crossings.touching[diagram.ends].any(axis=1)
     joined &= ~diagram.on_halves(crossed)
     counts = np.add.reduce([column.view(np.int8) for column in np.ascontiguousarray(joined.T)], dtype=np.int8)
     starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
@@ -120,7 +92,7 @@ def plain_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) ->
     first, last = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
     result[edges[first & (inside[diagram.ends[edges, 0]] == entering)]] = False
     result[edges[last & (inside[diagram.ends[edges, 1]] != entering)]] = False
-    result[vertices_on_boundary(diagram, crossings)[diagram.ends].any(axis=1)] = False
+    result[crossings.touching[diagram.ends].any(axis=1)] = False
     return result
 
 
@@ -162,7 +134,7 @@ def edges_wholly_inside(diagram: VoronoiDiagram, crossings: Crossings, inside: B
     ends = diagram.ends
     whole = np.asarray(inside[ends[:, 0]] & inside[ends[:, 1]])
     whole[crossings.edges[~touching(diagram, crossings, inside)]] = False
-    asked = np.flatnonzero(whole & vertices_on_boundary(diagram, crossings)[ends].any(axis=1))
+    asked = np.flatnonzero(whole & crossings.touching[ends].any(axis=1))
     whole[asked] = locate(diagram, ends[asked, 0], diagram.positions[ends[asked]].mean(axis=1))
     return whole
 

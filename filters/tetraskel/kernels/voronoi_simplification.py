@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
+from tetraskel.kernels.chunks import silent
+from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_elements import Elements, separations
 from tetraskel.kernels.voronoi_faces import EDGES, WEDGE_BITS
@@ -100,6 +102,9 @@ def _first_of_each(names: NDArray[np.uint64]) -> Ints:
 
     Strategy: to sort names is several times faster than to find their order, which is done for those that come twice.
     """
+    found = call_compiled("voronoi_loops.first_of_each", (names,), silent, 1.0)
+    if found is not None:
+        return np.asarray(found)
     result = np.arange(len(names))
     ranked = np.sort(names)
     twice = np.zeros(1 << LIKELY_BITS, bool)

@@ -30,7 +30,7 @@ from tetraskel.kernels.voronoi_elements import (
 )
 from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, ordered, voronoi_faces
 from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
-from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside, vertices_on_boundary
+from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton, merged, simplified
 from tetraskel.options import VoronoiOptions
 
@@ -126,7 +126,7 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     if diagram.dim == 2:
         return with_pieces(diagram, of_cells(diagram, cells, np.empty(0, np.int64), None), crossings, inside)
     whole = diagram.on_halves(edges_wholly_inside(diagram, crossings, inside))
-    touching = vertices_on_boundary(diagram, crossings)[: len(diagram.simplices)]
+    touching = crossings.touching[: len(diagram.simplices)]
     faces = whole_faces(diagram, whole, crossings.faces, touching)  # nothing is known of a face that only touches
     tick(0.7)
     cut = ordered(diagram, _cut_faces(diagram, crossings, inside, whole, touching, faces.keys))

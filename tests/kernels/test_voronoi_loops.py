@@ -1,0 +1,45 @@
+"""Compiled loops give the Voronoi skeletons of array operations, to the last bit."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from itertools import product
+
+import numpy as np
+import pytest
+
+from shapes import SOLIDS
+from tetraskel import triangulate, voronoi_skeleton
+from tetraskel.kernels.compilation import SWITCH, numba_is_used
+
+pytestmark = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed")
+
+
+def objects():
+    rng = np.random.default_rng(2)
+    volume = triangulate(rng.random((1500, 3)))
+    middles = volume.points[volume.simplices].mean(axis=1)
+    yield "volume", volume, np.ones(len(volume), bool)
+    yield "ball in a volume", volume, ((middles - 0.5) ** 2).sum(axis=1) < 0.1
+    yield "labels by lot", volume, rng.random(len(volume)) < 0.5
+    surface = triangulate(SOLIDS["torus"]().sample(1500, rng))
+    middles = surface.points[surface.simplices].mean(axis=1)
+    yield "torus", surface, SOLIDS["torus"]().contains(middles)
+    lattice = triangulate(np.array(list(product(range(5), repeat=3)), float))
+    yield "lattice", lattice, np.ones(len(lattice), bool)
+    yield "lattice by lot", lattice, rng.random(len(lattice)) < 0.5
+
+
+OBJECTS = {name: (mesh, inside) for name, mesh, inside in objects()} if numba_is_used() else {}
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+@pytest.mark.parametrize("method", ["sk1", "sk2", "sk3", "sk4"])
+def test_compiled_and_not_agree(monkeypatch: pytest.MonkeyPatch, name: str, method: str) -> None:
+    mesh, inside = OBJECTS[name]
+    compiled = voronoi_skeleton(mesh, inside=inside, method=method)
+    monkeypatch.setenv(SWITCH, "0")
+    plain = voronoi_skeleton(mesh, inside=inside, method=method)
+    assert len(compiled) > 0
+    for field in fields(plain):
+        assert np.array_equal(getattr(compiled, field.name), getattr(plain, field.name)), field.name
