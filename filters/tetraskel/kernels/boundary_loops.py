@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tetraskel.kernels.compilation import inlined, inner
+from tetraskel.kernels.compilation import called, inlined, inner
 from tetraskel.kernels.voronoi_lines import ON_BORDER
 from tetraskel.kernels.voronoi_loops import turn
 
@@ -48,7 +48,7 @@ def _along(origin, way, place):
     return origin[0] + place * way[0], origin[1] + place * way[1], origin[2] + place * way[2]
 
 
-@inlined
+@called
 def _interval(points, begins, targets, cell, beside, origin, way):
     """See `voronoi_lines.nearest_on_lines`: where on a whole line a generator is the nearest, and who is beyond."""
     here = _corner(points, cell)
@@ -75,7 +75,7 @@ def _interval(points, begins, targets, cell, beside, origin, way):
     return low, high, before, after
 
 
-@inlined
+@called
 def _common_line(points, triangle, normal, low, high):
     """See `boundary_division._common_lines`."""
     corner = _corner(points, triangle[0])
@@ -113,7 +113,7 @@ def _common_line(points, triangle, normal, low, high):
     return origin, way, least, largest
 
 
-@inlined
+@called
 def _joined(begins, targets, one, other):
     """Whether two points are neighbours."""
     least, most, n_points = begins[one], begins[one + 1], len(begins) - 1
@@ -142,7 +142,8 @@ def _add_pair(pairs, n_pairs, one, other):
     pair = (np.int64(min(one, other)) << 32) | np.int64(max(one, other))
     if n_pairs == len(pairs):
         larger = np.empty(2 * n_pairs, np.int64)
-        larger[:n_pairs] = pairs
+        for k in range(n_pairs):
+            larger[k] = pairs[k]
         pairs = larger
     pairs[n_pairs] = pair
     return pairs, n_pairs + 1
@@ -167,12 +168,14 @@ def _start(points, begins, targets, triangle, pairs):
 
 
 @inner
-def _with_room(values, size):
-    """The rows, perhaps in a larger array, with one more than `size` of them."""
+def with_room(values, size):
+    """The rows, perhaps in a larger array, which has more than `size` of them."""
     if size < len(values):
         return values
     larger = np.empty((2 * size + 1, values.shape[1]), values.dtype)
-    larger[:size] = values[:size]
+    for i in range(len(values)):
+        for k in range(values.shape[1]):
+            larger[i, k] = values[i, k]
     return larger
 
 
@@ -222,7 +225,7 @@ def on_triangles(points, begins, targets, same, facets, outward):
             after = after if high <= largest + near else -1
             low, high = max(low, least), min(high, largest)
             if high > low:
-                keys, segments = _with_room(keys, n_segments), _with_room(segments, n_segments)
+                keys, segments = with_room(keys, n_segments), with_room(segments, n_segments)
                 start, stop = _along(origin, way, low), _along(origin, way, high)
                 keys[n_segments, 0], keys[n_segments, 1] = pair, facet
                 for axis in range(3):
@@ -232,7 +235,7 @@ def on_triangles(points, begins, targets, same, facets, outward):
                 if beyond < 0:
                     continue
                 if high > low:
-                    owners, places = _with_room(owners, n_places), _with_room(places, n_places)
+                    owners, places = with_room(owners, n_places), with_room(places, n_places)
                     row = owners[n_places]
                     row[0], row[1], row[2] = min(one, beyond), max(one, min(other, beyond)), max(other, beyond)
                     row[3], row[4] = facet, min(place - least, largest - place) > near
@@ -243,4 +246,4 @@ def on_triangles(points, begins, targets, same, facets, outward):
                     for side in (one, other):
                         if _is_new(jobs, n_jobs, side, beyond) and _joined(begins, targets, side, beyond):
                             jobs, n_jobs = _add_pair(jobs, n_jobs, side, beyond)
-    return owners[:n_places].copy(), places[:n_places].copy(), keys[:n_segments].copy(), segments[:n_segments].copy()
+    return owners[:n_places], places[:n_places], keys[:n_segments], segments[:n_segments]

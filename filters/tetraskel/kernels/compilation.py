@@ -26,7 +26,7 @@ KERNELS = Path(__file__).resolve().parent
 # modules that compiled loops of other modules take functions or constants from
 SHARED = (
     *("compiled_heaps", "barycentric", "passage_widths", "polygon_slabs"),
-    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops"),
+    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops", "wall_loops"),
 )
 
 logger = logging.getLogger("tetraskel")
@@ -123,6 +123,13 @@ def compiled_without_arrays(function: Callable[..., Any]) -> Any:
 def inner(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call: it is kept as a part of them."""
     return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False, _nrt=True)(
+        function
+    )
+
+
+def called(function: Callable[..., Any]) -> Any:
+    """Compile a function that only compiled functions call and that makes no arrays; sooner done than `inlined`."""
+    return importlib.import_module("numba").njit(nogil=True, error_model="numpy", forceinline=False, _nrt=False)(
         function
     )
 

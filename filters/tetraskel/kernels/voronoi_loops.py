@@ -36,7 +36,7 @@ def stars(simplices, n_points):
             corner = simplices[i, k] + 1
             cells[starts[corner]] = i
             starts[corner] += 1
-    return starts[: n_points + 1].copy(), cells
+    return starts[: n_points + 1], cells
 
 
 @inlined
@@ -57,7 +57,8 @@ def neighbours(simplices, starts, cells):
         most = size + (simplices.shape[1] - 1) * (starts[point + 1] - starts[point])
         if most > len(found):
             more = np.empty(2 * most, np.int32)
-            more[:size] = found[:size]
+            for k in range(size):
+                more[k] = found[k]
             found = more
         first = size
         for place in range(starts[point], starts[point + 1]):
@@ -72,7 +73,7 @@ def neighbours(simplices, starts, cells):
                     found[j] = other
                     size += 1
         begins[point + 1] = size
-    return begins, found[:size].copy()
+    return begins, found[:size]
 
 
 def facets_between(triples, simplices, starts, cells):
@@ -101,7 +102,7 @@ def ranked(groups, values, last, n_groups):
         starts[groups[i] + 2] += 1
     for group in range(n_groups):
         starts[group + 2] += starts[group + 1]
-    order, first = np.empty(len(groups), np.int64), starts[:-1].copy()
+    order, first = np.empty(len(groups), np.int64), starts.copy()
     for i in range(len(groups)):
         place = starts[groups[i] + 1]
         starts[groups[i] + 1] += 1
@@ -158,7 +159,7 @@ def edges_and_wedges(simplices, signs, starts, cells, wanted):
             ends[owner[i]] += 1
         first, n_wedges = first + n_edges, n_wedges + n
     begins[first] = n_wedges
-    return keys[:first].copy(), begins[: first + 1].copy(), wedges
+    return keys[:first], begins[: first + 1], wedges
 
 
 @inlined
@@ -208,7 +209,8 @@ def follow(neighbors, starts, wedges):
                 result[step] = wedges[at]
         if not closes:
             misled[face] = True
-            result[first:last] = wedges[first:last]
+            for place in range(first, last):
+                result[place] = wedges[place]
     return result, ended, misled
 
 
