@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-from tetraskel import interior, raster_skeleton, rasterise, tree_skeleton, triangulate, voronoi_skeleton
+from tetraskel import interior, morphological_reversal, raster_skeleton, rasterise, tree_skeleton, triangulate, voronoi_skeleton
 
 HERE = Path(__file__).resolve().parent
 SAMPLES = HERE.parent / "sample_data"
@@ -94,25 +94,39 @@ def torus_figure():
     plotter.screenshot(HERE / "pictures" / "voronoi_torus.png")
 
 
+def draw_mask(plotter, marks, title):
+    """An image of cells: 0 nothing, 1 the mask, 2 its skeleton."""
+    image = pyvista.ImageData(dimensions=(*(size + 1 for size in marks.shape), 1))
+    image.cell_data["marks"] = marks.ravel(order="F")
+    cells = image.threshold(0.5, scalars="marks")
+    plotter.add_mesh(cells, scalars="marks", cmap=["#dfe6ec", RED], clim=(1, 2), show_scalar_bar=False, lighting=False)
+    plotter.add_text(title, font_size=11, color="black", position="upper_edge")
+    plotter.view_xy()
+    plotter.camera.zoom(1.25)
+
+
 def raster_figure():
-    """Morphological, distance and, where scikit-image is there, thinned skeleton of a shape."""
+    """Morphological, distance and thinned skeleton of a shape, and the shape given back by the first."""
     angles = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     reach = 1 + 0.35 * np.cos(5 * angles)
     mesh = triangulate(np.stack([reach * np.cos(angles), 0.8 * reach * np.sin(angles)], axis=1))
     middle = mesh.points[mesh.simplices].mean(axis=1) / [1, 0.8]
     inside = np.hypot(*middle.T) < 1 + 0.35 * np.cos(5 * np.arctan2(middle[:, 1], middle[:, 0]))
-    mask = rasterise(mesh, inside=inside, resolution=120)
-    plotter = pyvista.Plotter(off_screen=True, shape=(1, 3), window_size=(1500, 520), border=False)
+    mask = rasterise(mesh, inside=inside, resolution=120).values
+    plotter = pyvista.Plotter(off_screen=True, shape=(2, 2), window_size=(1300, 1100), border=False)
     plotter.set_background(PAPER)
-    places = mask.origin + np.argwhere(mask.values) * mask.spacing
-    for column, method in enumerate(("morphological", "thinning", "distance")):
-        plotter.subplot(0, column)
-        skeleton = raster_skeleton(mask.values, method=method, spacing=mask.spacing, origin=mask.origin)
-        plotter.add_points(flat(places) - [0, 0, 0.01], color="#dfe6ec", point_size=4)
-        plotter.add_points(flat(skeleton.points), color=RED, point_size=5)
-        plotter.add_text(method, font_size=14, color="black", position="upper_edge")
-        plotter.view_xy()
-        plotter.camera.zoom(1.4)
+    for place, method in enumerate(("morphological", "thinning", "distance")):
+        plotter.subplot(place // 2, place % 2)
+        skeleton = raster_skeleton(mask, method=method)
+        marks = mask.astype(np.uint8)
+        marks[tuple(skeleton.indices.T)] = 2
+        draw_mask(plotter, marks, method)
+        if method == "morphological":
+            back = morphological_reversal(skeleton)
+    if not np.array_equal(back, mask):
+        raise SystemExit("the mask did not come back")
+    plotter.subplot(1, 1)
+    draw_mask(plotter, back.astype(np.uint8), "given back by the morphological one, cell for cell")
     plotter.screenshot(HERE / "pictures" / "raster.png")
 
 
