@@ -7,7 +7,15 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-from tetraskel import interior, morphological_reversal, raster_skeleton, rasterise, tree_skeleton, triangulate, voronoi_skeleton
+from tetraskel import (
+    interior,
+    morphological_reversal,
+    raster_skeleton,
+    rasterise,
+    tree_skeleton,
+    triangulate,
+    voronoi_skeleton,
+)
 
 HERE = Path(__file__).resolve().parent
 SAMPLES = HERE.parent / "sample_data"

@@ -25,9 +25,14 @@ def objects():
     surface = triangulate(SOLIDS["torus"]().sample(1500, rng))
     middles = surface.points[surface.simplices].mean(axis=1)
     yield "torus", surface, SOLIDS["torus"]().contains(middles)
+    square = triangulate(rng.random((1500, 2)))
+    yield "square", square, np.ones(len(square), bool)
+    yield "square by lot", square, rng.random(len(square)) < 0.5
     lattice = triangulate(np.array(list(product(range(5), repeat=3)), float))
     yield "lattice", lattice, np.ones(len(lattice), bool)
     yield "lattice by lot", lattice, rng.random(len(lattice)) < 0.5
+    grid = triangulate(np.array(list(product(range(9), repeat=2)), float))
+    yield "grid by lot", grid, rng.random(len(grid)) < 0.5
 
 
 OBJECTS = {name: (mesh, inside) for name, mesh, inside in objects()} if numba_is_used() else {}

@@ -94,6 +94,17 @@ def _not_yet(keys: NDArray[np.uint64], seen: NDArray[np.uint64]) -> Ints:
     return np.asarray(first[seen[np.minimum(np.searchsorted(seen, once), len(seen) - 1)] != once])
 
 
+def on_edges_compiled(mesh: tuple[Floats, Ints], stars: tuple[Ints, Ints], keys: Ints) -> tuple[Ints, Ints, Floats]:
+    """The same as `on_edges`, by numba, in the plane: an edge is done before the next."""
+    coordinates, simplices = mesh
+    around = call_compiled("voronoi_loops.neighbours", (simplices, *stars), silent, 1.0)
+    in_space = np.column_stack([coordinates, np.zeros(len(coordinates))])
+    ends = np.stack(split_keys(keys), axis=1)
+    found, places = call_compiled("boundary_loops.on_edges", (in_space, *around, ends), silent, 1.0)
+    order = np.lexsort([places[:, 0], found[:, 1], found[:, 0]])
+    return found[order, 0], found[order, 1], places[order, 0]
+
+
 def on_triangles_compiled(
     mesh: tuple[Floats, Ints], stars: tuple[Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
 ) -> tuple[Met, Ints, Floats, Floats]:

@@ -149,6 +149,31 @@ def _add_pair(pairs, n_pairs, one, other):
     return pairs, n_pairs + 1
 
 
+def on_edges(points, begins, targets, ends):
+    """See `boundary_division.on_edges`: edges, pairs of cells, and places, edge by edge.
+
+    Parameters
+    ----------
+    ends : (k, 2) int
+        Points of each edge; points of the plane have a third coordinate 0.
+    """
+    found, places, n_found = np.empty((len(ends) + 64, 2), np.int64), np.empty((len(ends) + 64, 1)), 0
+    for edge in range(len(ends)):
+        cell, goal = ends[edge, 0], ends[edge, 1]
+        origin, way = _corner(points, cell), _between(points, cell, goal)
+        while cell != goal:
+            _, high, _, after = _interval(points, begins, targets, cell, NONE, origin, way)
+            if not high <= 1.0 + ON_BORDER:
+                break
+            found, places = with_room(found, n_found), with_room(places, n_found)
+            found[n_found, 0] = edge
+            found[n_found, 1] = (np.int64(min(cell, after)) << 32) | np.int64(max(cell, after))
+            places[n_found, 0] = max(min(high, 1.0), 0.0)
+            n_found += 1
+            cell = after
+    return found[:n_found], places[:n_found]
+
+
 @inner
 def _start(points, begins, targets, triangle, pairs):
     """Pairs of cells that meet on the sides of a triangle; see `boundary_division.on_edges`."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.boundary_division import Met, on_edges, on_triangles, on_triangles_compiled
+from tetraskel.kernels.boundary_division import Met, on_edges, on_edges_compiled, on_triangles, on_triangles_compiled
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, outward_normals
@@ -75,14 +75,17 @@ def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
     cells, opposite = _boundary(diagram)
     facets = _corners(diagram.simplices, cells, opposite)
     outward = outward_normals(diagram.coordinates, diagram.simplices, cells, opposite)
+    mesh = diagram.coordinates, diagram.simplices
     if diagram.dim == 3 and diagram.stars is not None:
-        mesh = diagram.coordinates, diagram.simplices
         return _sorted(diagram, *on_triangles_compiled(mesh, diagram.stars, SAME * diagram.size, facets, outward, tick))
-    asked = np.zeros(len(diagram.coordinates), bool)
-    asked[facets] = True
-    neighbours = Neighbours(diagram.coordinates, diagram.simplices, asked)
     keys = unique_edges(facets) if len(facets) else np.empty(0, np.int64)
-    lines, pairs, places = on_edges(neighbours, keys, tick)
+    if diagram.stars is not None:
+        lines, pairs, places = on_edges_compiled(mesh, diagram.stars, keys)
+    else:
+        asked = np.zeros(len(diagram.coordinates), bool)
+        asked[facets] = True
+        neighbours = Neighbours(*mesh, asked)
+        lines, pairs, places = on_edges(neighbours, keys, tick)
     low, high = split_keys(keys[lines])
     start, stop = diagram.coordinates[low], diagram.coordinates[high]
     positions = start + places[:, None] * (stop - start)
