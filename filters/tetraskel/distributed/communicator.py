@@ -109,6 +109,10 @@ class Communicator(ABC):
         empty = np.empty((0, *part.shape[1:]), part.dtype)
         return np.concatenate(self.alltoall([part if rank == root else empty for rank in range(self.size)]))
 
+    def from_first(self, part: Array) -> Array:
+        """The first rank's array; what the others give says its type."""
+        return self.allgather(part if self.rank == 0 else part[:0])[0]
+
     def sums(self, values: Array) -> Array:
         """Sums over the ranks of a few numbers."""
         return np.sum(self._stacked(values), axis=0, dtype=np.asarray(values).dtype)
