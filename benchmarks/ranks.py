@@ -1,7 +1,9 @@
 """Memory of each rank, and bytes sent, for one cloud of uniform points: printed beside a model.
 
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 1000000
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 inside
 
+The second takes points of a torus and tells what comes to the first rank when inside is told from outside. Run it
 with `PYTHONPATH` naming `filters` and `TETRASKEL_NUMBA_PATH` a folder with numba. On one rank it measures the serial
 chain. Each rank makes its own share of the cloud.
 """
@@ -9,15 +11,20 @@ chain. Each rank makes its own share of the cloud.
 import resource
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from dealt import torus
 from tetraskel.distributed.communicator import together
+from tetraskel.distributed.interior import interior_of_part
 from tetraskel.distributed.mpi import MpiCommunicator
 from tetraskel.distributed.tree import build_tree_part
 from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.kernels.tree import build_tree
 from tetraskel.kernels.triangulate import ready_engine, triangulate
+from tetraskel.options import InteriorOptions
 
 
 def megabytes():
@@ -63,13 +70,35 @@ def report(n, size, rows, n_cells):
     print(f"  model: points dealt once at 48 bytes and named at 16: {model:.2f} MB; the rest grows like the cuts")
 
 
+def inside_on_ranks(comm, n):
+    points = torus(np.random.default_rng(0), n)[comm.rank :: comm.size]
+    part = triangulate_part(comm, points, np.arange(comm.rank, n, comm.size)).part
+    before, peak, calls, started = comm.received_bytes, megabytes(), comm.exchanges, time.perf_counter()
+    found = interior_of_part(comm, part, InteriorOptions())
+    seconds, received = time.perf_counter() - started, (comm.received_bytes - before) / 1e6
+    told = [received, len(part), len(part.halves), len(part.mesh.points), peak, megabytes(), found.inside.sum()]
+    calls = comm.exchanges - calls
+    rows = np.concatenate(comm.allgather(np.array([told], float)))
+    if comm.rank == 0:
+        cells, cuts, known = rows[:, 1:4].sum(axis=0)
+        print(f"{comm.size} ranks: {n} points of a torus, {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
+        print(f"  {found.messages}, {seconds:.1f} s, {calls} calls, {cuts:.0f} half facets on cuts")
+        print(f"  the first rank received {rows[0, 0]:.2f} MB, the others at most {rows[1:, 0].max():.2f} MB")
+        others = 32 * (known - rows[0, 3]) + 16 * (cells - rows[0, 1])
+        print(f"  the mesh of the others, at 32 bytes a point and 16 a cell: {others / 1e6:.2f} MB")
+        print(f"  peaks before and after, of the largest rank: {rows[:, 4].max():.0f} MB, {rows[:, 5].max():.0f} MB")
+
+
 def main():
-    n = int(sys.argv[-1])
+    inside = sys.argv[-1] == "inside"
+    n = int(sys.argv[-2 if inside else -1])
     from mpi4py import MPI
 
     comm = MpiCommunicator(MPI.COMM_WORLD)
     ready_engine("exact", 3)
-    if comm.size == 1:
+    if inside:
+        together(comm, lambda: inside_on_ranks(comm, n))
+    elif comm.size == 1:
         serial(n)
     else:
         together(comm, lambda: on_ranks(comm, n))

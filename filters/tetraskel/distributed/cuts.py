@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.distributed.parts import MeshPart
 from tetraskel.kernels.smoothing import Border
 
@@ -25,6 +25,8 @@ class Cuts(Border):
         Simplex across each facet: an own one, m + j across the cut facet `halves[j]` of the part, -1 outside the mesh.
     cells : (k,) int
         Own simplex with each cut facet.
+    n_halves : int
+        Cut facets of all ranks, each seen from both sides.
     """
 
     def __init__(self, comm: Communicator, part: MeshPart) -> None:
@@ -33,8 +35,10 @@ class Cuts(Border):
         self.cells = part.halves // width
         self.neighbors = part.mesh.neighbors.copy()
         self.neighbors.reshape(-1)[part.halves] = len(part) + np.arange(len(part.halves))
+        self.n_halves = comm.total(len(part.halves))
+        self._mates = part.mates.astype(index_type(width * part.n_cells))
         self._route = Route(comm, part.ranks)
-        self._link = self._links_of(self._route.forward(part.mates))
+        self._link = self._links_of(self._route.forward(self._mates))
 
     def swapped(self, values: Array) -> Array:
         """What the other side says of each cut facet, from what this side says (k,)."""
@@ -56,14 +60,14 @@ class Cuts(Border):
         """See `Border.gains`."""
         links, route = self._told_of(willing)
         theirs = route.forward(gain[np.searchsorted(willing, self.cells[links])])
-        found = self._links_of(route.forward(self.part.mates[links]))
+        found = self._links_of(route.forward(self._mates[links]))
         order = np.argsort(found)
         return len(self.part) + found[order], theirs[order]
 
     def moved(self, moving: Ints) -> tuple[Ints, Ints]:
         """See `Border.moved`."""
         links, route = self._told_of(moving)
-        found = self._links_of(route.forward(self.part.mates[links]))
+        found = self._links_of(route.forward(self._mates[links]))
         return len(self.part) + found, self.cells[found]
 
     def _told_of(self, cells: Ints) -> tuple[Ints, Route]:

@@ -35,7 +35,7 @@ def basins_of_part(comm: Communicator, part: MeshPart, cuts: Cuts, widths: Float
         Passage widths.
     """
     m, k = cuts.neighbors.shape[0], len(cuts.cells)
-    numbers = cuts.with_others(part.cell_ids.astype(np.int64), part.n_cells)
+    numbers = cuts.with_others(part.cell_ids.astype(index_type(part.n_cells + 1)), part.n_cells)
     widest = widest_neighbors(cuts.neighbors, widths, numbers)
     ahead = widest[cuts.cells] == m + np.arange(k)  # cut facets that lead on from their simplex
     first_of_pair = ahead & cuts.swapped(ahead) & (numbers[cuts.cells] < numbers[m : m + k])
@@ -71,11 +71,14 @@ def _ends_beyond(comm: Communicator, cuts: Cuts, ends: Ints, joined: Ints, leadi
     """
     first = comm.before(len(leading))
     codes = np.concatenate([ends[:-1], -1 - first - np.arange(len(leading)), ends[-1:]])
+    codes = codes.astype(index_type(max(int(ends[-1]), cuts.n_halves) + 1))
     beyond = cuts.swapped(codes[joined[cuts.cells]])
-    links = np.flatnonzero(leading)
+    links = np.flatnonzero(leading).astype(codes.dtype)
     route = Route(comm, np.zeros(len(links), np.intp))
-    found = np.zeros(len(leading), np.int64)
-    found[links] = route.back(_followed(*route.forward(np.stack([first + links, beyond[links]], axis=1)).T))
+    found = np.zeros(len(leading), codes.dtype)
+    found[links] = route.back(
+        _followed(*route.forward(np.stack([links + codes.dtype.type(first), beyond[links]], axis=1)).T)
+    )
     return found
 
 
@@ -104,7 +107,8 @@ def tree_on_first(comm: Communicator, part: MeshPart, basins: Basins, rooms: Flo
     own = Links(first, second, basins.width, basins.facets).spanning(len(names))
     start = comm.before(len(part)) * (part.mesh.dim + 1)
     pairs = comm.gather(np.stack([names[own.first], names[own.second]], axis=1))
-    links = Links(pairs[:, 0], pairs[:, 1], comm.gather(own.width), comm.gather(start + own.facets.astype(np.int64)))
+    facets = (start + own.facets.astype(np.int64)).astype(index_type((part.mesh.dim + 1) * part.n_cells))
+    links = Links(pairs[:, 0], pairs[:, 1], comm.gather(own.width), comm.gather(facets))
     with_rooms, radii = _largest_rooms(basins.of_simplex[:-1], rooms)
     with_rooms, radii = comm.gather(with_rooms), comm.gather(radii)
     if comm.rank != 0:
