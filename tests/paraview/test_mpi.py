@@ -249,3 +249,30 @@ comm.agree()
     assert time.monotonic() - started < 60
     assert done.returncode != 0
     assert re.search(rf"exited on signal {signal.SIGKILL.value}", done.stdout + done.stderr)
+
+
+DIES = f"""
+import os, time
+from paraview.simple import *
+LoadPlugin({str(PLUGIN)!r}, remote=False, ns=globals())
+from tetraskel.distributed.mpi import MpiCommunicator
+swap = MpiCommunicator.swap
+def dying(self, messages):
+    if self.rank == 1:
+        print("dies at", time.time(), flush=True)
+        os._exit(7)
+    return swap(self, messages)
+MpiCommunicator.swap = dying
+DelaunayMesh(Input=XMLPartitionedPolydataReader(FileName="cloud.pvtp"), Engine="Qhull").UpdatePipeline()
+print("went on", flush=True)
+"""
+
+
+def test_when_a_rank_dies_in_an_exchange_the_other_ends(cloud, tmp_path):
+    """The other waits for what it would have sent; mpirun ends it within seconds, and says why."""
+    done = batch(tmp_path, DIES)
+    ended = time.time()
+    assert ended - float(re.search(r"dies at (\S+)", done.stdout)[1]) < 10
+    assert done.returncode == 7
+    assert "processes exited with non-zero status" in done.stderr
+    assert "went on" not in done.stdout
