@@ -1,9 +1,10 @@
 """Memory of each rank, and bytes sent, for one cloud of uniform points: printed beside a model.
 
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 1000000
-    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 inside
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 torus
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 uniform
 
-The second takes points of a torus and tells what comes to the first rank when inside is told from outside. Run it
+With the name of a cloud it tells what comes to the first rank when inside is told from outside. Run it
 with `PYTHONPATH` naming `filters` and `TETRASKEL_NUMBA_PATH` a folder with numba. On one rank it measures the serial
 chain. Each rank makes its own share of the cloud. What all hold before any point is measured after a small cloud,
 which loads what is compiled.
@@ -17,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from dealt import torus
+from dealt import torus, uniform
 from tetraskel.distributed.communicator import together
 from tetraskel.distributed.interior import interior_of_part
 from tetraskel.distributed.mpi import MpiCommunicator
@@ -28,6 +29,7 @@ from tetraskel.kernels.triangulate import ready_engine, triangulate
 from tetraskel.options import InteriorOptions
 
 FEW = 1000
+CLOUDS = {"torus": torus, "uniform": uniform}
 
 
 def megabytes():
@@ -77,8 +79,8 @@ def report(n, size, rows, n_cells):
     print(f"  model: points dealt once at 48 bytes and named at 16: {model:.2f} MB; the rest grows like the cuts")
 
 
-def inside_on_ranks(comm, n):
-    points = torus(np.random.default_rng(0), n)[comm.rank :: comm.size]
+def inside_on_ranks(comm, n, cloud):
+    points = CLOUDS[cloud](np.random.default_rng(0), n)[comm.rank :: comm.size].copy()
     part = triangulate_part(comm, points, np.arange(comm.rank, n, comm.size)).part
     before, peak, calls, started = comm.received_bytes, megabytes(), comm.exchanges, time.perf_counter()
     found = interior_of_part(comm, part, InteriorOptions())
@@ -88,7 +90,7 @@ def inside_on_ranks(comm, n):
     rows = np.concatenate(comm.allgather(np.array([told], float)))
     if comm.rank == 0:
         cells, cuts, known = rows[:, 1:4].sum(axis=0)
-        print(f"{comm.size} ranks: {n} points of a torus, {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
+        print(f"{comm.size} ranks: {n} points ({cloud}), {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
         print(f"  {found.messages}, {seconds:.1f} s, {calls} calls, {cuts:.0f} half facets on cuts")
         print(f"  the first rank received {rows[0, 0]:.2f} MB, the others at most {rows[1:, 0].max():.2f} MB")
         others = 32 * (known - rows[0, 3]) + 16 * (cells - rows[0, 1])
@@ -97,14 +99,14 @@ def inside_on_ranks(comm, n):
 
 
 def main():
-    inside = sys.argv[-1] == "inside"
-    n = int(sys.argv[-2 if inside else -1])
+    cloud = sys.argv[-1] if sys.argv[-1] in CLOUDS else ""
+    n = int(sys.argv[-2 if cloud else -1])
     from mpi4py import MPI
 
     comm = MpiCommunicator(MPI.COMM_WORLD)
     ready_engine("exact", 3)
-    if inside:
-        together(comm, lambda: inside_on_ranks(comm, n))
+    if cloud:
+        together(comm, lambda: inside_on_ranks(comm, n, cloud))
     elif comm.size == 1:
         serial(n)
     else:

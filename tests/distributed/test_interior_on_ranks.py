@@ -14,9 +14,11 @@ from tetraskel import InputError, InsideWarning, gate_arrays, gate_tree, interio
 from tetraskel.distributed.in_process import run_on_ranks
 from tetraskel.distributed.interior import interior_of_part
 from tetraskel.distributed.parts import part_of_mesh
+from tetraskel.distributed.surface import lie_on_surface
 from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.compilation import numba_is_used
+from tetraskel.kernels.denoise import lies_on_surface
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.object_boundary import boundary_of
 from tetraskel.options import InteriorOptions
@@ -128,6 +130,28 @@ def test_a_mesh_cut_up_anywhere_gives_the_serial_inside(case):
         return part, interior_of_part(comm, part, InteriorOptions(**options), with_arrays=True)
 
     assert_serial(run_on_ranks(3, work), mesh, expected, messages)
+
+
+def surface_on_ranks(size, points, n_points=None):
+    """What all ranks are told; some points are on several ranks."""
+
+    def work(comm):
+        mine = np.flatnonzero((np.arange(len(points)) % comm.size == comm.rank) | (np.arange(len(points)) % 10 == 0))
+        return lie_on_surface(comm, points[mine], mine, n_points or len(points))
+
+    (told,) = set(run_on_ranks(size, work))
+    return told
+
+
+@pytest.mark.parametrize("size", [1, 3, 30])
+def test_whether_points_lie_on_a_surface(size):
+    """Known where no two points are equally far from a third; 30 ranks have fewer points than are looked at."""
+    rng = np.random.default_rng(size)
+    for cloud, n, expected in ((torus, 900, True), (uniform, 900, False), (uniform, 40, False), (lattice, 216, None)):
+        points = cloud(rng, n)
+        assert surface_on_ranks(size, points) is expected
+        assert expected is None or lies_on_surface(points) == expected
+    assert surface_on_ranks(size, np.concatenate([points, points[:2]]), len(points) + 2) is None
 
 
 def test_points_too_large_to_be_calculated_with_are_refused():

@@ -17,6 +17,7 @@ from tetraskel.distributed.gates import (
     tree_on_first,
 )
 from tetraskel.distributed.parts import MeshPart
+from tetraskel.distributed.surface import lie_on_surface
 from tetraskel.kernels.adjacency import facet_points, scramble
 from tetraskel.kernels.basins import Basins
 from tetraskel.kernels.chunks import Tick, part, silent
@@ -139,7 +140,12 @@ class _MeshOfRanks(Classified):
         return self.comm.total(int(inside.any())) > 0
 
     def lies_on_surface(self) -> bool:
-        """See `Classified.lies_on_surface`; the first rank sees all points for it."""
+        """See `Classified.lies_on_surface`; on a lattice the first rank sees all points for it."""
+        nothing = np.zeros(len(self.part), bool)
+        n_points = self.comm.total(self._points_once(touched_sides(self.mesh, nothing)).shape[1])
+        found = lie_on_surface(self.comm, self.mesh.points, self.part.point_ids, n_points)
+        if found is not None:
+            return found
         points = self._points_on_first()[1]
         told = np.array([lies_on_surface(points)]) if self.comm.rank == 0 else np.empty(0, bool)
         return bool(self.comm.from_first(told)[0])
@@ -149,18 +155,21 @@ class _MeshOfRanks(Classified):
         return settled(self.mesh, self.cuts.with_others(inside, outside=False), self.cuts)[: len(self.part)]
 
     def surface_share(self, inside: Bools) -> float:
-        """See `Classified.surface_share`.
+        """See `Classified.surface_share`."""
+        known = self._points_once(touched_sides(self.mesh, inside))
+        n, n_both = self.comm.sums(np.array([known.shape[1], np.count_nonzero(known.all(axis=0))]))
+        return float(n_both / max(n, 1))
+
+    def _points_once(self, touched: Bools) -> Bools:
+        """(2, k) which sides each point touches on any rank; each point of all ranks is here once.
 
         Strategy: around most points all simplices are own ones. The others lie on facets without an own simplex
         across, or have no simplex here; what each rank knows of those meets where their ids decide.
         """
-        touched = touched_sides(self.mesh, inside)
         shared: Bools = np.logical_not(touched.any(axis=0))
         shared[facet_points(self.mesh.simplices, np.flatnonzero(self.part.mesh.neighbors.ravel() < 0))] = True
         met = self._met(self.part.point_ids[shared].astype(np.int64), touched[:, shared])
-        known = np.concatenate([touched[:, ~shared], met], axis=1)
-        n, n_both = self.comm.sums(np.array([known.shape[1], np.count_nonzero(known.all(axis=0))]))
-        return float(n_both / max(n, 1))
+        return np.concatenate([touched[:, ~shared], met], axis=1)
 
     def _met(self, ids: Ints, flags: Bools) -> Bools:
         """(2, k) flags of the points that meet on this rank, as set by any rank."""
