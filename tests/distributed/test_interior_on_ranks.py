@@ -12,13 +12,14 @@ from dealt import dealt, lattice, torus, uniform
 from shapes import SOLIDS
 from tetraskel import InputError, InsideWarning, gate_arrays, gate_tree, interior, triangulate
 from tetraskel.distributed.in_process import run_on_ranks
-from tetraskel.distributed.interior import interior_of_part
+from tetraskel.distributed.interior import MeshOfRanks, interior_of_part
 from tetraskel.distributed.parts import part_of_mesh
 from tetraskel.distributed.surface import lie_on_surface
 from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.kernels.adjacency import triangulation_of
 from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.denoise import lies_on_surface
+from tetraskel.kernels.interior import surface_share
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.object_boundary import boundary_of
 from tetraskel.options import InteriorOptions
@@ -130,6 +131,20 @@ def test_a_mesh_cut_up_anywhere_gives_the_serial_inside(case):
         return part, interior_of_part(comm, part, InteriorOptions(**options), with_arrays=True)
 
     assert_serial(run_on_ranks(3, work), mesh, expected, messages)
+
+
+@pytest.mark.parametrize("size", [2, 3, 8])
+def test_each_point_counts_once_in_the_share_between_the_sides(size):
+    rng = np.random.default_rng(size)
+    mesh = triangulate(torus(rng, 500), engine="qhull")
+    inside = rng.random(len(mesh)) < 0.02
+    ends = np.linspace(0, len(mesh), size + 1).astype(int)
+
+    def share(comm):
+        part = cut_up(comm, mesh, ends)
+        return MeshOfRanks(comm, part, 0.0).surface_share(inside[part.cell_ids])
+
+    assert run_on_ranks(size, share) == [surface_share(mesh, inside)] * size
 
 
 def surface_on_ranks(size, points, n_points=None):

@@ -94,17 +94,17 @@ def interior_of_part(
     EngineError
         When SciPy is missing.
     """
-    classified = _MeshOfRanks(comm, mesh, options.noise, part(tick, 0.0, 0.9))
+    classified = MeshOfRanks(comm, mesh, options.noise, part(tick, 0.0, 0.9))
     inside, messages = told_by_gates(classified, options.ratio, tick)
     gates = classified.gate_arrays() if with_arrays else None
     everywhere = classified.cuts.with_others(inside, outside=False)
     return InsidePart(inside, everywhere, classified.mesh.neighbors, messages, gates)
 
 
-class _MeshOfRanks(Classified):
+class MeshOfRanks(Classified):
     """A part of a mesh, asked together with all others."""
 
-    def __init__(self, comm: Communicator, mesh: MeshPart, noise: float, tick: Tick) -> None:
+    def __init__(self, comm: Communicator, mesh: MeshPart, noise: float, tick: Tick = silent) -> None:
         self.comm, self.part, self.dim = comm, mesh, mesh.mesh.dim
         _expect_extent(comm, mesh.mesh.points)
         widths, rooms = widths_and_rooms(mesh.mesh.coordinates, mesh.mesh.simplices, part(tick, 0.0, 0.5))
@@ -161,12 +161,13 @@ class _MeshOfRanks(Classified):
         return float(n_both / max(n, 1))
 
     def _points_once(self, touched: Bools) -> Bools:
-        """(2, k) which sides each point touches on any rank; each point of all ranks is here once.
+        """(2, k) which sides each of k points touches on any rank; the k of all ranks are all points, once.
 
         Strategy: around most points all simplices are own ones. The others lie on facets without an own simplex
-        across, or have no simplex here; what each rank knows of those meets where their ids decide.
+        across, or some rank has them without a simplex; what each rank knows of those meets where their ids decide.
         """
-        shared: Bools = np.logical_not(touched.any(axis=0))
+        loose = self.part.point_ids[~touched.any(axis=0)].astype(np.int64)
+        shared: Bools = np.isin(self.part.point_ids, np.concatenate(self.comm.allgather(loose)))
         shared[facet_points(self.mesh.simplices, np.flatnonzero(self.part.mesh.neighbors.ravel() < 0))] = True
         met = self._met(self.part.point_ids[shared].astype(np.int64), touched[:, shared])
         return np.concatenate([touched[:, ~shared], met], axis=1)
