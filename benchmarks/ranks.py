@@ -1,23 +1,35 @@
 """Memory of each rank, and bytes sent, for one cloud of uniform points: printed beside a model.
 
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 1000000
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 torus
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 uniform
 
+With the name of a cloud it tells what comes to the first rank when inside is told from outside. Run it
 with `PYTHONPATH` naming `filters` and `TETRASKEL_NUMBA_PATH` a folder with numba. On one rank it measures the serial
-chain. Each rank makes its own share of the cloud.
+chain. Each rank makes its own share of the cloud. What all hold before any point is measured after a small cloud,
+which loads what is compiled.
 """
 
 import resource
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from dealt import torus, uniform
 from tetraskel.distributed.communicator import together
+from tetraskel.distributed.interior import interior_of_part
 from tetraskel.distributed.mpi import MpiCommunicator
 from tetraskel.distributed.tree import build_tree_part
 from tetraskel.distributed.triangulation import triangulate_part
 from tetraskel.kernels.tree import build_tree
 from tetraskel.kernels.triangulate import ready_engine, triangulate
+from tetraskel.options import InteriorOptions
+
+FEW = 1000
+CLOUDS = {"torus": torus, "uniform": uniform}
 
 
 def megabytes():
@@ -26,10 +38,11 @@ def megabytes():
 
 def share(rank, size, n):
     """Points rank, rank + size, ... of n uniform ones."""
-    return np.random.default_rng(0).random((n, 3))[rank::size] if n < 5_000_000 else None
+    return np.random.default_rng(0).random((n, 3))[rank::size].copy()  # or all of them would stay
 
 
 def serial(n):
+    build_tree(triangulate(share(0, 1, FEW), engine="exact"))
     started = time.perf_counter()
     base = megabytes()
     tree = build_tree(triangulate(share(0, 1, n), engine="exact"))
@@ -39,6 +52,9 @@ def serial(n):
 
 
 def on_ranks(comm, n):
+    few = share(comm.rank, comm.size, FEW)
+    build_tree_part(comm, triangulate_part(comm, few, np.arange(comm.rank, FEW, comm.size)).part)
+    comm.sent_bytes = comm.exchanges = 0
     base = megabytes()
     points = share(comm.rank, comm.size, n)
     started = time.perf_counter()
@@ -63,13 +79,35 @@ def report(n, size, rows, n_cells):
     print(f"  model: points dealt once at 48 bytes and named at 16: {model:.2f} MB; the rest grows like the cuts")
 
 
+def inside_on_ranks(comm, n, cloud):
+    points = CLOUDS[cloud](np.random.default_rng(0), n)[comm.rank :: comm.size].copy()
+    part = triangulate_part(comm, points, np.arange(comm.rank, n, comm.size)).part
+    before, peak, calls, started = comm.received_bytes, megabytes(), comm.exchanges, time.perf_counter()
+    found = interior_of_part(comm, part, InteriorOptions())
+    seconds, received = time.perf_counter() - started, (comm.received_bytes - before) / 1e6
+    told = [received, len(part), len(part.halves), len(part.mesh.points), peak, megabytes(), found.inside.sum()]
+    calls = comm.exchanges - calls
+    rows = np.concatenate(comm.allgather(np.array([told], float)))
+    if comm.rank == 0:
+        cells, cuts, known = rows[:, 1:4].sum(axis=0)
+        print(f"{comm.size} ranks: {n} points ({cloud}), {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
+        print(f"  {found.messages}, {seconds:.1f} s, {calls} calls, {cuts:.0f} half facets on cuts")
+        print(f"  the first rank received {rows[0, 0]:.2f} MB, the others at most {rows[1:, 0].max():.2f} MB")
+        others = 32 * (known - rows[0, 3]) + 16 * (cells - rows[0, 1])
+        print(f"  the mesh of the others, at 32 bytes a point and 16 a cell: {others / 1e6:.2f} MB")
+        print(f"  peaks before and after, of the largest rank: {rows[:, 4].max():.0f} MB, {rows[:, 5].max():.0f} MB")
+
+
 def main():
-    n = int(sys.argv[-1])
+    cloud = sys.argv[-1] if sys.argv[-1] in CLOUDS else ""
+    n = int(sys.argv[-2 if cloud else -1])
     from mpi4py import MPI
 
     comm = MpiCommunicator(MPI.COMM_WORLD)
     ready_engine("exact", 3)
-    if comm.size == 1:
+    if cloud:
+        together(comm, lambda: inside_on_ranks(comm, n, cloud))
+    elif comm.size == 1:
         serial(n)
     else:
         together(comm, lambda: on_ranks(comm, n))

@@ -13,14 +13,12 @@ import pytest
 import pyvista
 
 from paths import PLUGIN, ROOT
-from programs import KEPT, environment, finished, program
+from programs import environment, finished, program
 from tetraskel import assemble_skeleton, build_tree, curve_skeleton, remove_flat, triangulate
-from tetraskel.kernels.compilation import BESIDE, CACHE, FOLDER, SWITCH, numba_is_used
+from tetraskel.kernels.compilation import SWITCH, numba_is_used
 from tubes import TUBES
+from two_ranks import EXACT, NUMBA, SECONDS, batch, mpirun, write_pieces
 
-NUMBA = os.environ.get(FOLDER, str(PLUGIN.parent / BESIDE))
-EXACT = {FOLDER: NUMBA, CACHE: KEPT, SWITCH: "1"}
-SECONDS = 240
 THRESHOLD = 0.1
 CHAIN = f"""
 import sys
@@ -92,44 +90,6 @@ def cloud(tmp_path):
 
 def test_the_exact_engine_in_one_paraview(alone):
     assert_is_serial(alone, POINTS, "exact")
-
-
-def write_pieces(folder, points, n_pieces=2):
-    """A file of points dealt to pieces at random, some of them to all, with global ids and an array."""
-    rng = np.random.default_rng(0)
-    owner = rng.integers(0, n_pieces, len(points))
-    for rank in range(n_pieces):
-        ids = np.flatnonzero((owner == rank) | (np.arange(len(points)) % 50 == 0))
-        piece = pyvista.PolyData(points[ids])
-        piece["weight"] = ids * 2.0
-        piece.point_data.active_scalars_name = None
-        piece["ids"] = ids.astype(np.int64)
-        piece.GetPointData().SetActiveAttribute("ids", 5)  # global ids
-        piece.save(folder / f"piece{rank}.vtp")
-    (folder / "cloud.pvtp").write_text(
-        '<VTKFile type="PPolyData" version="0.1"><PPolyData GhostLevel="0"><PPointData GlobalIds="ids">'
-        '<PDataArray type="Float64" Name="weight"/><PDataArray type="Int64" IdType="1" Name="ids"/></PPointData>'
-        '<PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>'
-        + "".join(f'<Piece Source="piece{rank}.vtp"/>' for rank in range(n_pieces))
-        + "</PPolyData></VTKFile>"
-    )
-
-
-def mpirun(folder, *command, **more):
-    """Start a program on two ranks."""
-    start = [program("mpirun"), "--allow-run-as-root", "--oversubscribe", "-np", "2", *map(str, command)]
-    return subprocess.Popen(
-        start, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment(**more)
-    )
-
-
-def batch(folder, script, *arguments, sym=True, **more):
-    """Run a script in pvbatch on two ranks, to its end."""
-    (folder / "script.py").write_text(script)
-    flags = ["--sym"] if sym else []
-    process = mpirun(folder, program("pvbatch"), *flags, "script.py", *arguments, **more)
-    out, err = process.communicate(timeout=SECONDS)
-    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
 def assert_is_serial(folder, points, engine, fetched=False):
@@ -289,3 +249,30 @@ comm.agree()
     assert time.monotonic() - started < 60
     assert done.returncode != 0
     assert re.search(rf"exited on signal {signal.SIGKILL.value}", done.stdout + done.stderr)
+
+
+DIES = f"""
+import os, time
+from paraview.simple import *
+LoadPlugin({str(PLUGIN)!r}, remote=False, ns=globals())
+from tetraskel.distributed.mpi import MpiCommunicator
+swap = MpiCommunicator.swap
+def dying(self, messages):
+    if self.rank == 1:
+        print("dies at", time.time(), flush=True)
+        os._exit(7)
+    return swap(self, messages)
+MpiCommunicator.swap = dying
+DelaunayMesh(Input=XMLPartitionedPolydataReader(FileName="cloud.pvtp"), Engine="Qhull").UpdatePipeline()
+print("went on", flush=True)
+"""
+
+
+def test_when_a_rank_dies_in_an_exchange_the_other_ends(cloud, tmp_path):
+    """The other waits for what it would have sent; mpirun ends it within seconds, and says why."""
+    done = batch(tmp_path, DIES)
+    ended = time.time()
+    assert ended - float(re.search(r"dies at (\S+)", done.stdout)[1]) < 10
+    assert done.returncode == 7
+    assert "processes exited with non-zero status" in done.stderr
+    assert "went on" not in done.stdout

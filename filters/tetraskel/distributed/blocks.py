@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.kernels.points import lexicographic_order, morton_codes
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Block:
     @property
     def place(self) -> Ints:
         """(n,) place of each point along the whole curve."""
-        return np.arange(self.first, self.first + len(self))
+        return np.arange(self.first, self.first + len(self), dtype=index_type(self.total))
 
 
 def deal_by_place(comm: Communicator, points: Floats, ids: Ints) -> Block:
@@ -80,7 +80,8 @@ def deal_by_place(comm: Communicator, points: Floats, ids: Ints) -> Block:
     points, ids, home, codes = comm.keep(*_distinct(*received))
     del received
     names = np.column_stack([places_of(comm, ids), ids, home])
-    points, names, codes = comm.keep(points, names, codes)
+    largest = int(comm.highest(np.array([np.abs(names).max(initial=0)]))[0])
+    points, names, codes = comm.keep(points, names.astype(index_type(largest)), codes)
     return Block(points, names, codes, extent, comm.before(len(ids)), comm.total(len(ids)))
 
 

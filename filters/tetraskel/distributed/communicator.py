@@ -29,15 +29,15 @@ class Communicator(ABC):
     ----------
     rank, size : int
         Which rank this is, of how many.
-    sent_bytes, exchanges : int
-        Bytes sent to other ranks so far, and collectives taken part in.
+    sent_bytes, received_bytes, exchanges : int
+        Bytes sent to other ranks and received from them so far, and collectives taken part in.
     """
 
     rank: int
     size: int
 
     def __init__(self) -> None:
-        self.sent_bytes = 0
+        self.sent_bytes = self.received_bytes = 0
         self.exchanges = 0
         self.failure: Exception | None = None  # of any rank: after it nobody listens any more
 
@@ -92,7 +92,7 @@ class Communicator(ABC):
         self.agree()
         self.exchanges += 1
         self.sent_bytes += sum(len(message) for rank, message in enumerate(messages) if rank != self.rank)
-        return [_from_bytes(message, like) for message in self.swap(messages)]
+        return self._received(self.swap(messages), like)
 
     def allgather(self, part: Array) -> list[Array]:
         """Everybody's array; all have one type and one shape but for their length."""
@@ -102,12 +102,20 @@ class Communicator(ABC):
         self.agree()
         self.exchanges += 1
         self.sent_bytes += len(message) * (self.size - 1)
-        return [_from_bytes(received, like) for received in self.share(message)]
+        return self._received(self.share(message), like)
+
+    def _received(self, messages: Sequence[Bytes], like: Array) -> list[Array]:
+        self.received_bytes += sum(len(message) for rank, message in enumerate(messages) if rank != self.rank)
+        return [_from_bytes(message, like) for message in messages]
 
     def gather(self, part: Array, root: int = 0) -> Array:
         """Everybody's arrays, one after another, on one rank; none on the others."""
         empty = np.empty((0, *part.shape[1:]), part.dtype)
         return np.concatenate(self.alltoall([part if rank == root else empty for rank in range(self.size)]))
+
+    def from_first(self, part: Array) -> Array:
+        """The first rank's array; what the others give says its type."""
+        return self.allgather(part if self.rank == 0 else part[:0])[0]
 
     def sums(self, values: Array) -> Array:
         """Sums over the ranks of a few numbers."""

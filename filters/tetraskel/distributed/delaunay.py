@@ -125,12 +125,14 @@ class _Asked:
     """Questions asked before: a cell that nobody forbade then is not asked about again."""
 
     def __init__(self) -> None:
-        self.before = np.empty(0, np.dtype((np.void, 40)))
+        self.before: NDArray[np.void] = np.empty(0, np.void)
 
     def not_yet(self, corners: Ints, slots: NDArray[np.int8]) -> Ints:
         """Indices of the questions not asked before; these are now asked."""
-        rows = np.ascontiguousarray(np.concatenate([corners, slots[:, None]], axis=1).astype(np.int64))
-        keys = rows.view(self.before.dtype).ravel()
+        rows = np.ascontiguousarray(np.concatenate([corners, slots[:, None]], axis=1, dtype=corners.dtype))
+        keys = rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).ravel()
+        if len(self.before) == 0:
+            self.before = keys[:0]
         fresh = np.flatnonzero(~np.isin(keys, self.before))
         self.before = np.concatenate([self.before, keys[fresh]])
         return fresh

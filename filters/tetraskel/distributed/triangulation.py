@@ -74,7 +74,7 @@ def triangulate_part(comm: Communicator, points: ArrayLike, ids: Ints, tick: Tic
     new_id[rows] = np.arange(len(rows), dtype=np.int32)
     points, simplices, neighbors, point_ids, owned, origins = comm.keep(
         known.points[rows], new_id[cells.simplices], cells.neighbors,
-        known.row[rows], known.own[rows], known.names[rows, 1:],
+        known.row[rows].astype(np.int64), known.own[rows], known.names[rows, 1:].astype(np.int64),
     )  # fmt: skip
     del cells, known, rows, new_id
     part = part_of_mesh(comm, Triangulation(points, simplices, neighbors, engine="exact"), point_ids)

@@ -48,27 +48,37 @@ def gather_basins(neighbors: Ints, widths: Floats) -> Basins:
     """Basins of simplices from their (m, d+1) neighbours and passage widths."""
     widest = widest_neighbors(neighbors, widths)
     of_simplex, count = joined_parts(np.append(widest, len(neighbors)))
-    facets = _facets_between(neighbors, of_simplex)
+    facets = facets_between(neighbors, of_simplex)
     cells = facets // neighbors.shape[1]
     across = neighbors.ravel()[facets]  # -1 is the outside: the last entry of of_simplex
     return Basins(of_simplex, count, facets, of_simplex[cells], of_simplex[across], widths.ravel()[facets])
 
 
-def widest_neighbors(neighbors: Ints, widths: Floats) -> NDArray[np.int32]:
+def widest_neighbors(neighbors: Ints, widths: Floats, numbers: Ints | None = None) -> NDArray[np.int32]:
     """(m,) simplex across the widest facet of each, m for the outside.
 
     Of equally wide ones the neighbour with the largest number: the order (width, larger simplex, smaller simplex)
     of facets is strict, as `joined_parts` needs it.
+
+    Parameters
+    ----------
+    neighbors : (m, d+1) int
+    widths : (m, d+1) float
+    numbers : (n,) int, optional
+        Of all that `neighbors` names, where more than these simplices have neighbours here; the last is the outside,
+        whose index n - 1 then stands for it. By default each is its own number.
     """
     m, width = neighbors.shape
     widest = np.empty(m, np.int32)
+    outside = m if numbers is None else len(numbers) - 1
 
     def work(piece: slice) -> None:
         ahead, wide = neighbors[piece], widths[piece]
-        best, choice = wide[:, 0].copy(), np.where(ahead[:, 0] < 0, m, ahead[:, 0])
+        best, choice = wide[:, 0].copy(), np.where(ahead[:, 0] < 0, outside, ahead[:, 0])
         for k in range(1, width):
-            other = np.where(ahead[:, k] < 0, m, ahead[:, k])
-            better = (wide[:, k] > best) | ((wide[:, k] == best) & (other > choice))
+            other = np.where(ahead[:, k] < 0, outside, ahead[:, k])
+            later = other > choice if numbers is None else numbers[other] > numbers[choice]
+            better = (wide[:, k] > best) | ((wide[:, k] == best) & later)
             best, choice = np.where(better, wide[:, k], best), np.where(better, other, choice)
         widest[piece] = choice
 
@@ -76,8 +86,11 @@ def widest_neighbors(neighbors: Ints, widths: Floats) -> NDArray[np.int32]:
     return widest
 
 
-def _facets_between(neighbors: Ints, of_simplex: Ints) -> Ints:
-    """Facets between different basins, seen from the basin with the smaller number, in order."""
+def facets_between(neighbors: Ints, of_simplex: Ints) -> Ints:
+    """Facets between different basins, seen from the basin with the smaller number, in order.
+
+    `of_simplex` holds a basin for all that `neighbors` names, and at last the outside's.
+    """
     m, width = neighbors.shape
     found: list[Ints] = [np.empty(0, np.intp)] * (m // CHUNK + 1)
 

@@ -130,11 +130,21 @@ def estimated_noise(cloud: Cloud) -> float:
 
 def lies_on_surface(points: Floats) -> bool:
     """Whether (n, d) points lie on a surface (3D) or a curve (2D), with or without noise; False for few points."""
-    cloud = Cloud(points[morton_order(points)])
-    if cloud.n < 4 * FEWEST:
+    places = places_to_look_at(len(points))
+    if len(places) == 0:
         return False
-    places = cloud.points[_evenly(cloud.n, SAMPLES)]
-    return _left_after_fits(cloud, places, FEWEST)[0] < NO_SURFACE
+    cloud = Cloud(points[morton_order(points)])
+    return _left_after_fits(cloud, cloud.points[places], FEWEST)[0] < NO_SURFACE
+
+
+def places_to_look_at(n: int) -> Ints:
+    """Where `lies_on_surface` looks among n points in the order of the Morton curve; nowhere for few points."""
+    return _evenly(n, SAMPLES if n >= 4 * FEWEST else 0)
+
+
+def is_surface_around(places: Floats, away: Floats, around: Floats) -> bool:
+    """What `lies_on_surface` says of (m, d) places, from their nearest points (m, FEWEST, d) and how far these are."""
+    return _left(places, away, around)[0] < NO_SURFACE
 
 
 def _evenly(n: int, some: int) -> Ints:
@@ -145,11 +155,16 @@ def _evenly(n: int, some: int) -> Ints:
 def _left_after_fits(cloud: Cloud, places: Floats, k: int) -> tuple[float, float]:
     """Median residual of the fits to the k nearest points, in their extents and in the unit of the points."""
     away, near = cloud.query(places, k)
+    return _left(places, away, cloud.points[near])
+
+
+def _left(places: Floats, away: Floats, around: Floats) -> tuple[float, float]:
+    """`_left_after_fits` to points (m, k, d) around the places, and their distances (m, k)."""
     spread = away[:, -1] > 0  # else all in one place: nothing to fit
     if not spread.any():
         return 0.0, 0.0
-    away, near, places = away[spread], near[spread], places[spread]
-    left = _fit(cloud.points[near], np.ones(near.shape), places, away[:, -1]).residual
+    away, around, places = away[spread], around[spread], places[spread]
+    left = _fit(around, np.ones(away.shape), places, away[:, -1]).residual
     return float(np.median(left / away[:, -1])), float(np.median(left))
 
 

@@ -96,18 +96,39 @@ def gate_tree_of(neighbors: Ints, widths: Floats, rooms: Floats, tick: Tick = si
     """The gate tree from (m, d+1) neighbours, (m, d+1) passage widths and (m,) room radii."""
     basins = gather_basins(neighbors, widths)
     tick(0.7)
-    links = maximum_spanning_tree(basins.count, basins.first, basins.second, basins.width)
-    tick(0.8)
-    tree = rooted(basins.count, basins.first[links], basins.second[links], basins.count - 1)
-    width, facet = np.full(basins.count, np.inf), np.full(basins.count, -1)
-    reached = tree.link >= 0
-    gates = links[tree.link[reached]]
-    width[reached], facet[reached] = basins.width[gates], basins.facets[gates]
     own_room = np.zeros(basins.count)
     np.maximum.at(own_room, basins.of_simplex[:-1], rooms)
+    links = Links(basins.first, basins.second, basins.width, basins.facets).spanning(basins.count)
+    tick(0.8)
+    tree = gate_tree_of_links(basins, links, own_room)
+    tick(0.9)
+    return tree
+
+
+@dataclass(frozen=True)
+class Links:
+    """Facets between basins, as links of a graph; see `Basins` for what each has."""
+
+    first: Ints
+    second: Ints
+    width: Floats
+    facets: Ints
+
+    def spanning(self, n: int) -> Links:
+        """Those of the maximum spanning tree of n basins, or forest; of equally wide ones the later is the stronger."""
+        chosen = maximum_spanning_tree(n, self.first, self.second, self.width)
+        return Links(self.first[chosen], self.second[chosen], self.width[chosen], self.facets[chosen])
+
+
+def gate_tree_of_links(basins: Basins, links: Links, own_room: Floats) -> GateTree:
+    """The gate tree whose gates are these, in the order of their facets; `own_room` is that of `GateTree`."""
+    tree = rooted(basins.count, links.first, links.second, basins.count - 1)
+    width, facet = np.full(basins.count, np.inf), np.full(basins.count, -1)
+    reached = tree.link >= 0
+    gates = tree.link[reached]
+    width[reached], facet[reached] = links.width[gates], links.facets[gates]
     room_radius, narrowest = _largest_rooms(tree, width, own_room)
     near_room = _largest_rooms(tree, width, own_room, width / NEARLY_NARROWEST)[0]
-    tick(0.9)
     return GateTree(basins, tree, width, room_radius, narrowest, near_room, facet, own_room)
 
 
@@ -159,9 +180,17 @@ def gate_arrays(tree: GateTree, neighbors: Ints) -> GateArrays:
     """What the gate tree knows, for each of the simplices with these (m, d+1) neighbours."""
     basin = tree.basins.of_simplex[:-1]
     cells, ahead = tree.facet // neighbors.shape[1], np.append(neighbors, -1)[tree.facet]
-    leads_out = tree.basins.of_simplex[cells] == np.arange(tree.basins.count)  # else the gate is seen from beyond
-    beyond = np.where(tree.facet < 0, -1, np.where(leads_out, ahead, cells))
+    beyond = beyond_gates(tree, cells, ahead, tree.basins.of_simplex[cells])
     return GateArrays(tree.width[basin], tree.room_radius[basin], beyond[basin])
+
+
+def beyond_gates(tree: GateTree, cells: Ints, ahead: Ints, basin: Ints) -> Ints:
+    """(b,) simplex on the other side of each basin's gate, -1 for none.
+
+    The gate's facet is known from one of its sides: `cells` have it, in these basins, and `ahead` is across.
+    """
+    leads_out = basin == np.arange(tree.basins.count)  # else the gate is seen from beyond
+    return np.where(tree.facet < 0, -1, np.where(leads_out, ahead, cells))
 
 
 def inside_by_gates(
@@ -177,15 +206,40 @@ def inside_by_gates(
     least_width : float or (b,) float
         Gates narrower than this, in the unit of the points, count as so wide: noise leaves rooms that small.
     """
+    regions = regions_behind_doors(tree, ratio, least_width)
+    shared = shared_facets(tree.basins, regions, ratio)
+    return opposite_sides(shared)[regions.of_basin[tree.basins.of_simplex[:-1]]]
+
+
+@dataclass(frozen=True)
+class Regions:
+    """What doors divide the basins into.
+
+    Attributes
+    ----------
+    of_basin : (b,) int
+        0 the outside, then one for what lies behind each door.
+    size : (r,) float
+        Radius of the largest room in each; the outside has no bounds.
+    """
+
+    of_basin: Ints
+    size: Floats
+
+
+def regions_behind_doors(tree: GateTree, ratio: float, least_width: Floats | float) -> Regions:
+    """The regions behind all doors; see `inside_by_gates`."""
     door = ratio * np.maximum(tree.width, least_width)
     is_door = (tree.room_radius > door) & (tree.width <= NEARLY_NARROWEST * tree.narrowest) | (tree.near_room > door)
-    regions = _regions(tree, is_door)
-    inside = _opposite_sides(tree, regions, ratio)
-    return inside[regions[tree.basins.of_simplex[:-1]]]
+    of_basin = _regions(tree, is_door)
+    size = np.zeros(int(of_basin.max(initial=0)) + 1)
+    np.maximum.at(size, of_basin, tree.own_room)
+    size[0] = np.inf
+    return Regions(of_basin, size)
 
 
 def _regions(tree: GateTree, is_door: Bools) -> Ints:
-    """(b,) region of each basin: 0 the outside, then one for what lies behind each door.
+    """(b,) region of each basin.
 
     A neck has many gates nearly as narrow as its narrowest; they are one door. So the next door of a way only counts
     once a room has been entered that is larger than the last door by more than "nearly".
@@ -202,36 +256,50 @@ def _regions(tree: GateTree, is_door: Bools) -> Ints:
     return np.unique(door, return_inverse=True)[1]
 
 
-def _opposite_sides(tree: GateTree, regions: Ints, ratio: float) -> Bools:
+@dataclass(frozen=True)
+class SharedFacets:
+    """How many facets regions have in common.
+
+    Attributes
+    ----------
+    n_regions : int
+    pairs : (p,) int
+        The lower region * n_regions + the higher one, increasing.
+    narrow, all : (p,) int
+        Facets that either region is so much larger than as doors demand, and all facets.
+    """
+
+    n_regions: int
+    pairs: Ints
+    narrow: Ints
+    all: Ints
+
+
+def shared_facets(basins: Basins, regions: Regions, ratio: float) -> SharedFacets:
+    """The facets of `basins` between two regions, counted by pair."""
+    n = len(regions.size)
+    first, second = regions.of_basin[basins.first], regions.of_basin[basins.second]
+    apart = np.flatnonzero(first != second)
+    first, second = np.minimum(first, second)[apart], np.maximum(first, second)[apart]
+    narrow = ratio * basins.width[apart] < np.minimum(regions.size[first], regions.size[second])
+    pairs, pair_of = np.unique(first * n + second, return_inverse=True)
+    of_narrow = np.bincount(pair_of[narrow], minlength=len(pairs))
+    return SharedFacets(n, pairs, of_narrow, np.bincount(pair_of, minlength=len(pairs)))
+
+
+def opposite_sides(shared: SharedFacets) -> Bools:
     """(r,) whether each region lies inside.
 
     Strategy: two regions that have many narrow facets in common have a surface between them, while a neck inside an
     object, or the mouth of a bottle, is a door of few facets. So each region is put opposite the one it shares most
     with: along the maximum spanning tree of the regions by shared facets.
     """
-    basins = tree.basins
-    n = int(regions.max(initial=0)) + 1
-    first, second = regions[basins.first], regions[basins.second]
-    apart = np.flatnonzero(first != second)
-    first, second = np.minimum(first, second)[apart], np.maximum(first, second)[apart]
-    size = _region_sizes(tree, regions, n)
-    narrow = ratio * basins.width[apart] < np.minimum(size[first], size[second])
-    pairs, pair_of = np.unique(first * n + second, return_inverse=True)
-    first, second = np.divmod(pairs, n)
-    shared = np.bincount(pair_of, narrow, len(pairs)) + 0.5 / (len(apart) + 1) * np.bincount(
-        pair_of, minlength=len(pairs)
-    )
-    links = maximum_spanning_tree(n, first, second, shared)
+    n = shared.n_regions
+    first, second = np.divmod(shared.pairs, n)
+    weight = shared.narrow + 0.5 / (shared.all.sum() + 1) * shared.all
+    links = maximum_spanning_tree(n, first, second, weight)
     inside = np.zeros(n, bool)
     sides = rooted(n, first[links], second[links], 0)
     for level in sides.levels[1:]:
         inside[level] = ~inside[sides.parent[level]]
     return inside
-
-
-def _region_sizes(tree: GateTree, regions: Ints, n: int) -> Floats:
-    """(n,) radius of the largest room in each region; the outside has no bounds."""
-    size = np.zeros(n)
-    np.maximum.at(size, regions, tree.own_room)
-    size[0] = np.inf
-    return size

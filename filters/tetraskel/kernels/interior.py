@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.denoise import lies_on_surface
-from tetraskel.kernels.gates import GateTree, gate_tree, inside_by_gates
+from tetraskel.kernels.gates import gate_tree, inside_by_gates
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.noise import noise_at_gates
 from tetraskel.kernels.outline import checked_outline, even_odd
@@ -80,7 +81,10 @@ def interior(
     if method == "outline":
         corners, edges = checked_outline(mesh, *_needed(outline, method))
         return even_odd(mesh.points[mesh.simplices].mean(axis=1), corners, edges)
-    return _by_gates(mesh, ratio, noise, tick)
+    inside, said = told_by_gates(_WholeMesh(mesh, noise, part(tick, 0.0, 0.9)), ratio, tick)
+    for message in said:
+        warnings.warn(message, InsideWarning, stacklevel=2)
+    return inside
 
 
 def _needed(given: tuple[ArrayLike, ArrayLike] | None, method: str) -> tuple[ArrayLike, ArrayLike]:
@@ -89,28 +93,81 @@ def _needed(given: tuple[ArrayLike, ArrayLike] | None, method: str) -> tuple[Arr
     return given
 
 
-def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bools:
-    tree = gate_tree(mesh, tick=part(tick, 0.0, 0.9))
-    least_width = noise * noise_at_gates(mesh, tree) if noise else 0.0
-    inside = inside_by_gates(tree, ratio=ratio, least_width=least_width)
+class Classified(ABC):
+    """A mesh, whole or in parts, as `told_by_gates` asks of it; (m,) are the simplices of this part.
+
+    Attributes
+    ----------
+    dim : int
+        Dimension of the simplices.
+    """
+
+    dim: int
+
+    @abstractmethod
+    def behind_doors(self, ratio: float) -> Bools:
+        """(m,) inside by gates, where rooms are this many times larger than doors."""
+
+    @abstractmethod
+    def is_any(self, inside: Bools) -> bool:
+        """Whether anything lies inside."""
+
+    @abstractmethod
+    def lies_on_surface(self) -> bool:
+        """Whether the points lie on a surface."""
+
+    @abstractmethod
+    def smaller_surface(self, inside: Bools) -> Bools:
+        """(m,) inside after `smoothing.smaller_surface`."""
+
+    @abstractmethod
+    def surface_share(self, inside: Bools) -> float:
+        """Share of the points that lie between the sides."""
+
+
+class _WholeMesh(Classified):
+    """All of a mesh."""
+
+    def __init__(self, mesh: Triangulation, noise: float, tick: Tick) -> None:
+        self.mesh, self.dim = mesh, mesh.dim
+        self.tree = gate_tree(mesh, tick=tick)
+        self.least_width = noise * noise_at_gates(mesh, self.tree) if noise else 0.0
+
+    def behind_doors(self, ratio: float) -> Bools:
+        return inside_by_gates(self.tree, ratio=ratio, least_width=self.least_width)
+
+    def is_any(self, inside: Bools) -> bool:
+        return bool(inside.any())
+
+    def lies_on_surface(self) -> bool:
+        return lies_on_surface(self.mesh.coordinates)
+
+    def smaller_surface(self, inside: Bools) -> Bools:
+        return smaller_surface(self.mesh, inside)
+
+    def surface_share(self, inside: Bools) -> float:
+        return surface_share(self.mesh, inside)
+
+
+def told_by_gates(mesh: Classified, ratio: float, tick: Tick) -> tuple[Bools, list[str]]:
+    """(m,) simplices that lie inside, by the gates; and what is to be said of it as `InsideWarning`s."""
+    inside, said = mesh.behind_doors(ratio), []
     tick(0.93)
-    if not inside.any() and lies_on_surface(mesh.coordinates):
-        inside, lowered = _by_smaller_ratio(tree, ratio, least_width)
-        if inside.any():
-            warnings.warn(
+    if not mesh.is_any(inside) and mesh.lies_on_surface():
+        inside, lowered = _by_smaller_ratio(mesh, inside, ratio)
+        if lowered < ratio:
+            said.append(
                 f"no room is {ratio:g} times larger than its door; taken for inside is what is {lowered:g} times "
-                "larger, as the points are few for the thickness of the object.",
-                InsideWarning,
-                stacklevel=3,
+                "larger, as the points are few for the thickness of the object."
             )
     if mesh.dim == 3:  # in the plane only ears could gain, which are corners of the outline
-        inside = smaller_surface(mesh, inside)
+        inside = mesh.smaller_surface(inside)
     tick(0.97)
-    share = surface_share(mesh, inside)
+    share, is_any = mesh.surface_share(inside), mesh.is_any(inside)
     tick(1.0)
-    if inside.any() and share >= LEAST_SHARE[mesh.dim]:
-        return inside
-    if inside.any():
+    if is_any and share >= LEAST_SHARE[mesh.dim]:
+        return inside, said
+    if is_any:
         reason = f"only {share:.0%} of the points lie between inside and outside; they fill a volume or are too noisy"
         advice = "try method 'all', or 'surface' if there is one"
     else:
@@ -119,22 +176,26 @@ def _by_gates(mesh: Triangulation, ratio: float, noise: float, tick: Tick) -> Bo
             "line, fill a volume, or are too few for the thickness of the object"
         )
         advice = "try method 'all', or a smaller ratio"
-    warnings.warn(f"nothing lies inside: {reason}; {advice}.", InsideWarning, stacklevel=3)
-    return np.zeros(len(mesh), bool)
+    return np.zeros(len(inside), bool), [*said, f"nothing lies inside: {reason}; {advice}."]
 
 
-def _by_smaller_ratio(tree: GateTree, ratio: float, least_width: NDArray[np.float64] | float) -> tuple[Bools, float]:
-    """The inside by the first of the smaller ratios that finds one, and that ratio."""
+def _by_smaller_ratio(mesh: Classified, inside: Bools, ratio: float) -> tuple[Bools, float]:
+    """The inside by the first of the smaller ratios that finds one, and that ratio; else what it was."""
     for lowered in SPARSE_RATIOS:
         if lowered < ratio:
-            inside = inside_by_gates(tree, ratio=lowered, least_width=least_width)
-            if inside.any():
-                return inside, lowered
-    return np.zeros(len(tree.basins.of_simplex) - 1, bool), ratio
+            found = mesh.behind_doors(lowered)
+            if mesh.is_any(found):
+                return found, lowered
+    return inside, ratio
 
 
 def surface_share(mesh: Triangulation, inside: Bools) -> float:
     """Share of the points that have simplices of both sides around them, or the outside of the mesh."""
+    return float(np.count_nonzero(touched_sides(mesh, inside).all(axis=0)) / max(len(mesh.points), 1))
+
+
+def touched_sides(mesh: Triangulation, inside: Bools) -> Bools:
+    """(2, n) whether each point has simplices outside, and inside, around it; beyond the mesh is outside, too."""
     touched = np.zeros((2, len(mesh.points)), bool)
     touched[1, mesh.simplices[inside]] = True
     touched[0, mesh.simplices[~inside]] = True
@@ -142,7 +203,7 @@ def surface_share(mesh: Triangulation, inside: Bools) -> float:
     for vertex in range(mesh.dim + 1):
         at_hull = cells[mesh.neighbors[cells, vertex] < 0]
         touched[0, np.delete(mesh.simplices[at_hull], vertex, axis=1)] = True
-    return float(np.count_nonzero(touched.all(axis=0)) / max(len(mesh.points), 1))
+    return touched
 
 
 def inside_of_object(mesh: Triangulation, labels: ArrayLike | None = None, tick: Tick = silent) -> Bools:

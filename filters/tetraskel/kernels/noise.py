@@ -11,6 +11,7 @@ from tetraskel.kernels.gates import GateTree
 from tetraskel.kernels.mesh import Triangulation
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
 NEIGHBORS = {2: 8, 3: 16}  # enough for a plane or a line with some scatter, few enough to follow a bend
 
@@ -48,8 +49,12 @@ def scatter(coordinates: Floats) -> Floats:
 
 def noise_at_gates(mesh: Triangulation, tree: GateTree) -> Floats:
     """(b,) mean scatter at the corners of each gate, 0 at the root."""
-    deviation = scatter(mesh.coordinates)
-    cells, opposite = np.divmod(tree.facet, mesh.dim + 1)
-    corners = deviation[mesh.simplices[cells]]
-    total = corners.sum(axis=1) - corners[np.arange(len(cells)), opposite]
-    return np.where(tree.facet < 0, 0, total / mesh.dim)
+    return mean_at_gates(tree, scatter(mesh.coordinates), mesh.simplices[tree.facet // (mesh.dim + 1)])
+
+
+def mean_at_gates(tree: GateTree, values: Floats, simplices: Ints) -> Floats:
+    """(b,) mean of point values (n,) at the corners of gates, facets of these (b, d+1) simplices; 0 at the root."""
+    dim = simplices.shape[1] - 1
+    corners = values[simplices]
+    total = corners.sum(axis=1) - corners[np.arange(len(corners)), tree.facet % (dim + 1)]
+    return np.where(tree.facet < 0, 0, total / dim)

@@ -92,8 +92,11 @@ def _in_space(points: Floats) -> Floats:
 
 
 def boundary_of(mesh: Triangulation, inside: Bools) -> Boundary:
-    """The facets between inside and outside, in the order of the simplices."""
-    cells = np.flatnonzero(inside)
+    """The facets between inside and outside, in the order of the simplices.
+
+    Neighbours in other parts of a mesh have numbers from m on; `inside` then is theirs, too.
+    """
+    cells = np.flatnonzero(inside[: len(mesh)])
     beyond = mesh.neighbors[cells]
     row, column = np.nonzero((beyond < 0) | ~inside[beyond])
     others = np.array([[k for k in range(mesh.dim + 1) if k != skipped] for skipped in range(mesh.dim + 1)])

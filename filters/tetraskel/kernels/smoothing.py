@@ -21,33 +21,69 @@ Bools = NDArray[np.bool_]
 ROUNDS = 8  # hardly anything moves after the third
 
 
+class Border:
+    """What other parts of a mesh say of simplices next to this one's; the parts go through the rounds together.
+
+    This is the border of a whole mesh, with nobody behind it.
+    """
+
+    def is_anybody(self, here: bool) -> bool:
+        """Whether any part says yes."""
+        return here
+
+    def gains(self, willing: Ints, gain: Floats) -> tuple[Ints, Floats]:
+        """Tell the gains of own simplices; those told of here, increasing, with indices above all own ones."""
+        return willing[:0], gain[:0]
+
+    def moved(self, moving: Ints) -> tuple[Ints, Ints]:
+        """Tell which own simplices changed sides; of those told of here the indices, and the own ones beside them."""
+        return moving[:0], moving[:0]
+
+
 def smaller_surface(mesh: Triangulation, inside: Bools) -> Bools:
-    """(m,) inside after single simplices have changed sides while the surface shrinks by it.
+    """(m,) inside after single simplices have changed sides while the surface shrinks by it."""
+    return settled(mesh, np.append(inside, False), Border())[:-1]
+
+
+def settled(mesh: Triangulation, side: Bools, border: Border) -> Bools:
+    """(n,) the sides after the moves that make the surface smaller.
 
     Strategy: a simplex gains by changing sides when more of its own surface lies between the sides than not. Of
     adjacent ones that would gain only the one that gains most moves, all at once, so that the order of the
     simplices does not matter; then only the moved, their neighbours and the disappointed look again.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+        Whole, or a part whose neighbours name simplices of other parts, too, with numbers from m on.
+    side : (n,) bool
+        Of its m simplices, of those beyond, and at last of the outside.
+    border : Border
+        The way to the other parts.
     """
-    side = np.append(inside, False)
+    side = side.copy()
     candidates = on_surface(mesh.neighbors, side)
     for _ in range(ROUNDS):
         gain = _gains(mesh, side, candidates)
         willing, gain = candidates[gain > 0], gain[gain > 0]
-        if len(willing) == 0:
+        if not border.is_anybody(len(willing) > 0):
             break
-        moving = willing[gain > _best_neighbor(mesh.neighbors, willing, gain)]
-        side[moving] = ~side[moving]
-        again = np.concatenate([willing, mesh.neighbors[moving].ravel()])
-        candidates = np.unique(again[again >= 0])
-    return side[:-1]
+        others, their_gain = border.gains(willing, gain)
+        known, known_gain = np.concatenate([willing, others]), np.concatenate([gain, their_gain])
+        moving = willing[gain > _best_neighbor(mesh.neighbors[willing], known, known_gain)]
+        beyond, beside = border.moved(moving)
+        side[moving], side[beyond] = ~side[moving], ~side[beyond]
+        again = np.concatenate([willing, mesh.neighbors[moving].ravel(), beside])
+        candidates = np.unique(again[(again >= 0) & (again < len(mesh))])
+    return side
 
 
 def on_surface(neighbors: Ints, side: Bools) -> Ints:
-    """Simplices with a neighbour on the other side; `side` is (m+1,), its last entry the outside's."""
+    """Simplices with a neighbour on the other side; `side` is that of all neighbours, and at last the outside's."""
     found = np.empty(len(neighbors), bool)
 
     def work(piece: slice) -> None:
-        found[piece] = (side[neighbors[piece]] != side[:-1][piece, None]).any(axis=1)
+        found[piece] = (side[neighbors[piece]] != side[piece, None]).any(axis=1)
 
     for_chunks(work, len(neighbors))
     return np.flatnonzero(found)
@@ -69,9 +105,8 @@ def _gains(mesh: Triangulation, side: Bools, cells: Ints) -> Floats:
     return gain
 
 
-def _best_neighbor(neighbors: Ints, cells: Ints, gain: Floats) -> Floats:
-    """(k,) largest gain among the neighbours of each of `cells` (increasing), which are all that gain."""
-    ahead = neighbors[cells]
+def _best_neighbor(ahead: Ints, cells: Ints, gain: Floats) -> Floats:
+    """(k,) largest gain among neighbours (k, d+1); `cells` (increasing) with these gains are all that gain."""
     at = np.minimum(np.searchsorted(cells, ahead), len(cells) - 1)
     return np.where(cells[at] == ahead, gain[at], 0).max(axis=1)
 

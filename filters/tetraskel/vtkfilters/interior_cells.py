@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkDataObject
 
+from tetraskel.distributed.interior import interior_of_part
 from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.gates import gate_arrays, gate_tree
 from tetraskel.kernels.interior import interior
 from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.object_boundary import boundary_of
 from tetraskel.kernels.outline import inside_by_outline
-from tetraskel.options import InteriorCellsOptions
+from tetraskel.options import InteriorCellsOptions, InteriorOptions
+from tetraskel.vtkfilters import ranks, ranks_tree
 from tetraskel.vtkfilters.base import SkeletonFilter
 from tetraskel.vtkfilters.convert import (
     add_arrays,
@@ -25,6 +28,7 @@ from tetraskel.vtkfilters.convert import (
     pass_facts,
     points_of,
     segments_of,
+    simplices_of,
     surface_of_data,
 )
 from tetraskel.vtkfilters.drawn_data import data_of_boundary
@@ -36,6 +40,9 @@ class InteriorCells(SkeletonFilter):
     The second output is the object's boundary: the facets between inside and outside. The object is known by the
     mesh's points alone (method gates), by a closed surface or an outline at the second input, or by a cell array. An
     outline splits cells, so that it becomes a union of their edges; all other methods leave the mesh as it is.
+
+    On several MPI ranks a mesh that DelaunayMesh has dealt to them stays there for the method gates, and so do both
+    outputs. Other meshes, and all for other methods, are gathered to the first rank.
     """
 
     options = InteriorCellsOptions
@@ -68,6 +75,43 @@ class InteriorCells(SkeletonFilter):
         pass_facts(source, output)
         add_facts(output, {"InsideCells": int(np.count_nonzero(inside))})
         outputs[1].ShallowCopy(data_of_boundary(boundary_of(mesh, inside), mesh.points))
+
+    def execute_on_ranks(self, comm, inputs, outputs):
+        """Classify the cells where they are, or on the first rank."""
+        if self.method == "gates" and ranks_tree.is_numbered_by_rank(comm, inputs[0]):
+            self._classify_part(comm, inputs[0], outputs)
+        else:
+            super().execute_on_ranks(comm, inputs, outputs)
+
+    def _classify_part(self, comm, source, outputs):
+        part, own = ranks_tree.part_of_data(comm, source, all_points=True)
+        options = InteriorOptions(method=self.method, ratio=self.ratio, noise=self.noise)
+        told = self.tick("Telling inside from outside")
+        found = interior_of_part(comm, part, options, with_arrays=self.gate_arrays, tick=told)
+        for message in found.messages if comm.rank == 0 else ():
+            self.warn(message)
+        mesh = replace(
+            part.mesh, points=points_of(source), simplices=simplices_of(source)[own], neighbors=found.neighbors
+        )
+        self._write_part(comm, source, outputs[0], (mesh, own, found))
+        outputs[1].ShallowCopy(data_of_boundary(boundary_of(mesh, found.everywhere), mesh.points))
+        ranks.name_points_alike(source, outputs[1])
+
+    def _write_part(self, comm, source, output, classified):
+        mesh, own, found = classified
+        kept = np.flatnonzero(found.inside) if self.extract else np.arange(len(mesh))
+        fill_grid(output, replace(mesh, simplices=mesh.simplices[kept]))
+        output.GetPointData().PassData(source.GetPointData())
+        ranks.name_points_alike(source, output)
+        if len(mesh):
+            copy_rows(source.GetCellData(), output.GetCellData(), own[kept], ("Inside", *ranks.own_arrays(source)))
+        self._mark(output, found.inside[kept])
+        if found.gates is not None:
+            self._add_gates(output, found.gates, kept)
+        first = comm.before(len(kept))
+        ranks.set_global_ids(output.GetCellData(), np.arange(first, first + len(kept)), ranks.CELL_IDS)
+        pass_facts(source, output)
+        add_facts(output, {"InsideCells": comm.total(int(np.count_nonzero(found.inside)))})
 
     def _classify(self, source, mesh, boundary):
         """(m,) inside, for the methods that leave the mesh as it is; warnings are printed in one line."""
@@ -108,15 +152,18 @@ class InteriorCells(SkeletonFilter):
         copy_rows(source.GetCellData(), output.GetCellData(), np.flatnonzero(kept), ("Inside",))
         self._mark(output, inside[kept])
         if self.gate_arrays and self.method == "gates":
-            found = gate_arrays(gate_tree(mesh), mesh.neighbors)
-            named = {"GateWidth": found.width, "RoomRadius": found.room_radius, "GateParent": found.parent}
-            add_arrays(output.GetCellData(), {name: values[kept] for name, values in named.items()})
+            self._add_gates(output, gate_arrays(gate_tree(mesh), mesh.neighbors), kept)
 
     def _write_new_mesh(self, output, mesh, inside):
         kept = inside if self.extract else np.ones(len(mesh), bool)
         fill_grid(output, submesh(mesh, kept))
         self._mark(output, inside[kept])
         add_arrays(output.GetPointData(), {"OriginalPointIds": mesh.original_ids})
+
+    @staticmethod
+    def _add_gates(output, found, kept):
+        named = {"GateWidth": found.width, "RoomRadius": found.room_radius, "GateParent": found.parent}
+        add_arrays(output.GetCellData(), {name: values[kept] for name, values in named.items()})
 
     @staticmethod
     def _mark(output, inside):

@@ -87,6 +87,21 @@ def mark_copies(attributes, copies: np.ndarray, mark: int) -> None:
     attributes.AddArray(array)
 
 
+def name_points_alike(source, target) -> None:
+    """Give points the global ids and the marks of the same points in another data set."""
+    ids, ghosts = global_ids(source.GetPointData()), array_of(source.GetPointData(), GHOSTS)
+    if ids is not None:
+        set_global_ids(target.GetPointData(), ids, source.GetPointData().GetGlobalIds().GetName())
+    if ghosts is not None:
+        add_arrays(target.GetPointData(), {GHOSTS: ghosts})
+
+
+def own_arrays(data) -> tuple[str, ...]:
+    """Cell arrays that name cells among all ranks, or mark copies of them."""
+    ids = data.GetCellData().GetGlobalIds()
+    return (GHOSTS,) if ids is None else (GHOSTS, ids.GetName())
+
+
 def fetched_arrays(comm, attributes, owners: np.ndarray, indices: np.ndarray, rows: np.ndarray) -> dict:
     """Rows of other ranks' numeric arrays, of each array that all ranks with arrays have.
 

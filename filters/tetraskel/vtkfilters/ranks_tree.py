@@ -38,8 +38,21 @@ def is_spread(comm, data, warn) -> bool:
     return n_ranks > 1 and not n_flat
 
 
-def part_of_data(comm, data) -> tuple[MeshPart, np.ndarray]:
+def is_numbered_by_rank(comm, data) -> bool:
+    """Whether tetrahedra lie on several ranks with global ids as DelaunayMesh gives them: cells rank after rank."""
+    if not is_spread(comm, data, lambda message: None):
+        return False
+    own, ids = ranks.own_cells(data), ranks.global_ids(data.GetCellData())
+    first = comm.before(len(own))
+    in_order = len(own) == 0 or (ids is not None and np.array_equal(ids[own], np.arange(first, first + len(own))))
+    named = data.GetNumberOfPoints() == 0 or ranks.global_ids(data.GetPointData()) is not None
+    return comm.total(int(not (in_order and named))) == 0
+
+
+def part_of_data(comm, data, *, all_points=False) -> tuple[MeshPart, np.ndarray]:
     """This rank's tetrahedra as a part of the mesh of all ranks; also the index of each among the cells of the data.
+
+    Its points are those the tetrahedra use, or all that the data have.
 
     Raises
     ------
@@ -48,9 +61,9 @@ def part_of_data(comm, data) -> tuple[MeshPart, np.ndarray]:
     """
     own = ranks.own_cells(data)
     simplices = simplices_of(data)[own] if len(own) else np.empty((0, 4), np.int64)
-    used = np.unique(simplices)
+    used = np.arange(data.GetNumberOfPoints()) if all_points else np.unique(simplices)
     ids, cell_ids = ranks.global_ids(data.GetPointData()), ranks.global_ids(data.GetCellData())
-    if len(own) and ids is None:
+    if len(used) and ids is None:
         raise InputError(
             "expected a mesh on several ranks with global point ids, got one without; apply Generate Global Ids first."
         )
