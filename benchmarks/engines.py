@@ -30,19 +30,23 @@ def vtk_delaunay(points: np.ndarray) -> int:
 
 
 def tetgen(points: np.ndarray) -> int:
+    """Points and their hull: this wrapper of TetGen crashes when it is given points alone."""
+    from scipy.spatial import ConvexHull
     from tetgen import TetGen  # type: ignore[import-not-found]
 
-    mesh = TetGen(points, np.empty((0, 3), np.int32))
-    return len(mesh.tetrahedralize(plc=False, quality=False)[1])
+    mesh = TetGen(points, ConvexHull(points).simplices.astype(np.int32))
+    return len(mesh.tetrahedralize(plc=True, quality=False)[1])
 
 
 def gmsh(points: np.ndarray) -> int:
     import gmsh as program  # type: ignore[import-not-found]
 
     program.initialize()
-    found = program.model.mesh.tetrahedralize(points.ravel())
-    program.finalize()
-    return len(found) // 4
+    program.option.set_number("General.Verbosity", 1)
+    try:
+        return len(program.algorithm.tetrahedralize(points.ravel())[0]) // 4
+    finally:
+        program.finalize()
 
 
 def cgal(points: np.ndarray) -> int:
