@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
@@ -225,7 +227,7 @@ def _bends(owners: Ints, corners: Floats, n_pieces: int) -> Bools:
     before, after, _ = _beside(owners, n_pieces)
     back, ahead = corners - corners[before], corners[after] - corners
     turn = back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0]
-    lengths = np.einsum("ka,ka->k", back, back) * np.einsum("ka,ka->k", ahead, ahead)
+    lengths = dots(back, back) * dots(ahead, ahead)
     return np.asarray(np.abs(turn) > THIN * np.sqrt(lengths))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,7 +36,8 @@ Bools = NDArray[np.bool_]
 
 BALL = 2.0  # bounding-box diagonals around the middle beyond which no part of a face is looked at
 FACES = 1 << 12  # faces at a time
-TURN = 0.7  # radians: lines of slabs parallel to no edge of a shape drawn along the axes
+# of 0.7 radians: lines of slabs parallel to no edge of a shape drawn along the axes
+COSINE, SINE = math.cos(0.7), math.sin(0.7)
 
 
 def clipped_faces(
@@ -120,9 +123,7 @@ def _clip(
     x = diagram.coordinates
     origins = (x[low] + x[high]) / 2
     first, second, _ = frames(x[high] - x[low])
-    axes = np.stack(
-        [np.cos(TURN) * first + np.sin(TURN) * second, np.cos(TURN) * second - np.sin(TURN) * first], axis=1
-    )
+    axes = np.stack([COSINE * first + SINE * second, COSINE * second - SINE * first], axis=1)
     polygon, ends, kinds, edge, places = _own_walls(diagram, faces, origins, axes)
     of_segment, segment_ends, segment_kinds = _boundary_walls(crossings, faces, origins, axes)
     # the left end first, and what belongs to the ends with it

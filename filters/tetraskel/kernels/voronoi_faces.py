@@ -8,6 +8,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
@@ -269,8 +270,8 @@ def _rows_of(wanted: Ints, cells: Ints, face: Ints, n_cells: int) -> Ints:
 
 def frames(axes: Floats) -> tuple[Floats, Floats, Floats]:
     """Right-handed orthonormal frames (u, v, w), w along each of (k, 3) axes."""
-    w = axes / np.sqrt((axes**2).sum(axis=1, keepdims=True))
+    w = axes / np.sqrt(dots(axes, axes))[:, None]
     helper = np.eye(3)[np.abs(w).argmin(axis=1)] if len(w) else np.empty((0, 3))
     u = np.cross(helper, w)
-    u /= np.sqrt((u**2).sum(axis=1, keepdims=True))
+    u /= np.sqrt(dots(u, u))[:, None]
     return u, np.cross(w, u), w

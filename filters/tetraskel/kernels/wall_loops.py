@@ -11,10 +11,9 @@ import numpy as np
 
 from tetraskel.kernels.compilation import called, inlined
 from tetraskel.kernels.polygon_slabs import BOTTOM, ENTER, LEAVE, THIN, TOP
-from tetraskel.kernels.voronoi_clip import TURN
+from tetraskel.kernels.voronoi_clip import COSINE, SINE
 from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, WEDGE_BITS
 
-COSINE, SINE = math.cos(TURN), math.sin(TURN)
 # columns of what is known of a wall: left and right end, then the places of both on the Voronoi edge
 LEFT_U, LEFT_V, RIGHT_U, RIGHT_V, LEFT_PLACE, RIGHT_PLACE = 0, 1, 2, 3, 4, 5
 # and the numbers that go with it
