@@ -10,37 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from tetraskel.kernels.compilation import called, inlined, inner
+from tetraskel.kernels.vector_loops import between, cross, dot, minus, place_of
 from tetraskel.kernels.voronoi_lines import ON_BORDER
 from tetraskel.kernels.voronoi_loops import turn
 
 EPSILON = np.finfo(np.float64).eps
 NONE = np.int64(-1)
 BELOW = np.int64(0xFFFFFFFF)
-
-
-@inlined
-def _between(points, a, b):
-    return points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
-
-
-@inlined
-def _minus(u, v):
-    return u[0] - v[0], u[1] - v[1], u[2] - v[2]
-
-
-@inlined
-def _dot(u, v):
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@inlined
-def _cross(u, v):
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-
-
-@inlined
-def _corner(points, a):
-    return points[a, 0], points[a, 1], points[a, 2]
 
 
 @inlined
@@ -51,7 +27,7 @@ def _along(origin, way, place):
 @called
 def _interval(points, begins, targets, cell, beside, origin, way):
     """See `voronoi_lines.nearest_on_lines`: where on a whole line a generator is the nearest, and who is beyond."""
-    here = _corner(points, cell)
+    here = place_of(points, cell)
     own = (2 * (here[0] - origin[0]), 2 * (here[1] - origin[1]), 2 * (here[2] - origin[2]))
     step = (-2 * way[0], -2 * way[1], -2 * way[2])
     low, high, before, after = -np.inf, np.inf, targets[begins[cell]], targets[begins[cell]]
@@ -59,9 +35,9 @@ def _interval(points, begins, targets, cell, beside, origin, way):
         other = targets[place]
         if other == beside:
             continue
-        side = _between(points, cell, other)
-        gap = _dot(side, side) + side[0] * own[0] + side[1] * own[1] + side[2] * own[2]
-        slope = _dot(side, step)
+        side = between(points, cell, other)
+        gap = dot(side, side) + side[0] * own[0] + side[1] * own[1] + side[2] * own[2]
+        slope = dot(side, step)
         if slope > 0:
             bound = -gap / slope
             if bound > low:
@@ -78,30 +54,30 @@ def _interval(points, begins, targets, cell, beside, origin, way):
 @called
 def _common_line(points, triangle, normal, low, high):
     """See `boundary_division._common_lines`."""
-    corner = _corner(points, triangle[0])
-    across = _between(points, low, high)
-    upright = _dot(across, normal)
+    corner = place_of(points, triangle[0])
+    across = between(points, low, high)
+    upright = dot(across, normal)
     in_plane = (
         across[0] - normal[0] * upright,
         across[1] - normal[1] * upright,
         across[2] - normal[2] * upright,
     )
-    way, square = _cross(normal, in_plane), _dot(in_plane, in_plane)
+    way, square = cross(normal, in_plane), dot(in_plane, in_plane)
     middle = (
         (points[high, 0] + points[low, 0]) / 2 - corner[0],
         (points[high, 1] + points[low, 1]) / 2 - corner[1],
         (points[high, 2] + points[low, 2]) / 2 - corner[2],
     )
-    if square <= EPSILON * _dot(across, across):
+    if square <= EPSILON * dot(across, across):
         return corner, way, 0.0, 0.0
-    origin = _along(corner, in_plane, _dot(middle, across) / square)
+    origin = _along(corner, in_plane, dot(middle, across) / square)
     least, largest = -np.inf, np.inf
     for k in range(3):
         i, j, opposite = triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]
-        inward = _cross(normal, _between(points, i, j))
-        sign = np.sign(_dot(inward, _between(points, i, opposite)))
+        inward = cross(normal, between(points, i, j))
+        sign = np.sign(dot(inward, between(points, i, opposite)))
         inward = (inward[0] * sign, inward[1] * sign, inward[2] * sign)
-        gap, slope = _dot(inward, _minus(origin, _corner(points, i))), _dot(inward, way)
+        gap, slope = dot(inward, minus(origin, place_of(points, i))), dot(inward, way)
         if slope > 0:
             least = max(least, -gap / slope)
         elif slope < 0:
@@ -160,7 +136,7 @@ def on_edges(points, begins, targets, ends):
     found, places, n_found = np.empty((len(ends) + 64, 2), np.int64), np.empty((len(ends) + 64, 1)), 0
     for edge in range(len(ends)):
         cell, goal = ends[edge, 0], ends[edge, 1]
-        origin, way = _corner(points, cell), _between(points, cell, goal)
+        origin, way = place_of(points, cell), between(points, cell, goal)
         while cell != goal:
             _, high, _, after = _interval(points, begins, targets, cell, NONE, origin, way)
             if not high <= 1.0 + ON_BORDER:
@@ -181,7 +157,7 @@ def _start(points, begins, targets, triangle, pairs):
     for k in range(3):
         one, other = triangle[k], triangle[(k + 1) % 3]
         cell, goal = min(one, other), max(one, other)
-        origin, way = _corner(points, cell), _between(points, cell, goal)
+        origin, way = place_of(points, cell), between(points, cell, goal)
         while cell != goal:
             _, high, _, after = _interval(points, begins, targets, cell, NONE, origin, way)
             if not high <= 1.0 + ON_BORDER:
@@ -207,14 +183,14 @@ def with_room(values, size):
 @inlined
 def _is_new_place(owners, places, first, last, same):
     """Whether the cells of the last row do not meet there in a row before it; who has them is sure if either is."""
-    spot = _corner(places, last)
+    spot = place_of(places, last)
     for k in range(first, last):
-        away = _minus(spot, _corner(places, k))
+        away = minus(spot, place_of(places, k))
         if (
             owners[k, 0] == owners[last, 0]
             and owners[k, 1] == owners[last, 1]
             and owners[k, 2] == owners[last, 2]
-            and _dot(away, away) <= same * same
+            and dot(away, away) <= same * same
         ):
             owners[k, 4] |= owners[last, 4]
             return False
@@ -236,7 +212,7 @@ def on_triangles(points, begins, targets, same, facets, outward):
     jobs = np.empty(16, np.int64)
     for facet in range(len(facets)):
         triangle = (facets[facet, 0], facets[facet, 1], facets[facet, 2])
-        normal = _corner(outward, facet)
+        normal = place_of(outward, facet)
         jobs, n_jobs = _start(points, begins, targets, triangle, jobs)
         done, first_place = 0, n_places
         while done < n_jobs:

@@ -14,27 +14,13 @@ import numpy as np
 from tetraskel.kernels.barycentric import EMPTY
 from tetraskel.kernels.compilation import inner
 from tetraskel.kernels.passage_widths import ON_FACET
-
-
-@inner
-def _between(points, a, b):
-    return points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
-
-
-@inner
-def _dot(u, v):
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@inner
-def _cross(u, v):
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+from tetraskel.kernels.vector_loops import between, cross, dot
 
 
 @inner
 def _square(points, a, b):
-    side = _between(points, a, b)
-    return _dot(side, side)
+    side = between(points, a, b)
+    return dot(side, side)
 
 
 @inner
@@ -56,24 +42,24 @@ def _width(first, second, third):
 @inner
 def _centre_of_ball(u, v, w):
     """Circumcentre from the first corner times 2 volume, the volume, and the normals."""
-    n, m, k = _cross(v, w), _cross(w, u), _cross(u, v)
-    a, b, c = _dot(u, u), _dot(v, v), _dot(w, w)
+    n, m, k = cross(v, w), cross(w, u), cross(u, v)
+    a, b, c = dot(u, u), dot(v, v), dot(w, w)
     centre = (
         a * n[0] + b * m[0] + c * k[0],
         a * n[1] + b * m[1] + c * k[1],
         a * n[2] + b * m[2] + c * k[2],
     )
-    return centre, _dot(u, n), n, m, k
+    return centre, dot(u, n), n, m, k
 
 
 @inner
 def _room(points, a, b, c, d):
-    centre, volume, n, m, k = _centre_of_ball(_between(points, a, b), _between(points, a, c), _between(points, a, d))
-    first, second, third = _dot(centre, n), _dot(centre, m), _dot(centre, k)
+    centre, volume, n, m, k = _centre_of_ball(between(points, a, b), between(points, a, c), between(points, a, d))
+    first, second, third = dot(centre, n), dot(centre, m), dot(centre, k)
     whole = 2 * volume * volume
     lowest = min(min(first, second, third), whole - (first + second + third))
     if whole > 0 and lowest >= -ON_FACET * whole:
-        return math.sqrt(_dot(centre, centre)) / (2 * abs(volume))
+        return math.sqrt(dot(centre, centre)) / (2 * abs(volume))
     return 0.0
 
 
@@ -101,11 +87,11 @@ def circumcentres(points, flat_share, simplices, centres, radii, flat):
     """See `medial_nodes.circumcentres`."""
     for i in range(len(simplices)):
         a, b, c, d = simplices[i, 0], simplices[i, 1], simplices[i, 2], simplices[i, 3]
-        u, v, w = _between(points, a, b), _between(points, a, c), _between(points, a, d)
+        u, v, w = between(points, a, b), between(points, a, c), between(points, a, d)
         centre, volume, _, _, _ = _centre_of_ball(u, v, w)
-        squares = _dot(u, u) + _dot(v, v) + _dot(w, w)
+        squares = dot(u, u) + dot(v, v) + dot(w, w)
         flat[i] = abs(volume) <= flat_share * squares * math.sqrt(squares)
-        if volume * volume > EMPTY * (_dot(u, u) * _dot(v, v) * _dot(w, w)):
+        if volume * volume > EMPTY * (dot(u, u) * dot(v, v) * dot(w, w)):
             twice = 2 * volume
             x, y, z = centre[0] / twice, centre[1] / twice, centre[2] / twice
             centres[i, 0], centres[i, 1], centres[i, 2] = points[a, 0] + x, points[a, 1] + y, points[a, 2] + z
@@ -120,7 +106,7 @@ def circumcentres(points, flat_share, simplices, centres, radii, flat):
 @inner
 def _towards(points, corner, places, i):
     u = (points[corner, 0] - places[i, 0], points[corner, 1] - places[i, 1], points[corner, 2] - places[i, 2])
-    length = max(math.sqrt(_dot(u, u)), 1e-300)
+    length = max(math.sqrt(dot(u, u)), 1e-300)
     return u[0] / length, u[1] / length, u[2] / length
 
 
@@ -131,16 +117,16 @@ def facing(points, simplices, places, result):
         q = _towards(points, simplices[i, 1], places, i)
         r = _towards(points, simplices[i, 2], places, i)
         s = _towards(points, simplices[i, 3], places, i)
-        pq, pr, ps = _dot(p, q), _dot(p, r), _dot(p, s)
-        qr, qs, rs = _dot(q, r), _dot(q, s), _dot(r, s)
+        pq, pr, ps = dot(p, q), dot(p, r), dot(p, s)
+        qr, qs, rs = dot(q, r), dot(q, s), dot(r, s)
         worst = max(min(pq, pr, ps), min(pq, qr, qs), min(pr, qr, rs), min(ps, qs, rs))
         result[i] = (1 - min(worst, 1.0)) / 2
 
 
 @inner
 def _area(points, a, b, c):
-    normal = _cross(_between(points, a, b), _between(points, a, c))
-    return 0.5 * math.sqrt(_dot(normal, normal))
+    normal = cross(between(points, a, b), between(points, a, c))
+    return 0.5 * math.sqrt(dot(normal, normal))
 
 
 def gains(points, simplices, neighbors, side, cells, gain):

@@ -11,6 +11,7 @@ import numpy as np
 
 from tetraskel.kernels.compilation import called, inlined
 from tetraskel.kernels.polygon_slabs import BOTTOM, ENTER, LEAVE, THIN, TOP
+from tetraskel.kernels.vector_loops import cross, dot, place_of
 from tetraskel.kernels.voronoi_clip import COSINE, SINE
 from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, WEDGE_BITS
 
@@ -19,16 +20,6 @@ LEFT_U, LEFT_V, RIGHT_U, RIGHT_V, LEFT_PLACE, RIGHT_PLACE = 0, 1, 2, 3, 4, 5
 # and the numbers that go with it
 KIND, EDGE, FIRST_LINE, LAST_LINE = 0, 1, 2, 3
 NO_EDGE = np.int64(0)
-
-
-@inlined
-def _cross(u, v):
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-
-
-@inlined
-def _dot(u, v):
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 @inlined
@@ -41,18 +32,13 @@ def _turned(u, v, cosine, sine):
     return cosine * u[0] + sine * v[0], cosine * u[1] + sine * v[1], cosine * u[2] + sine * v[2]
 
 
-@inlined
-def _row(values, i):
-    return values[i, 0], values[i, 1], values[i, 2]
-
-
 @called
 def frame_between(points, low, high):
     """The middle between two points and two axes across; see `voronoi_faces.frames`."""
-    a, b = _row(points, low), _row(points, high)
+    a, b = place_of(points, low), place_of(points, high)
     origin = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2)
     way = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
-    w = _scaled(way, math.sqrt(_dot(way, way)))
+    w = _scaled(way, math.sqrt(dot(way, way)))
     x, y, z = abs(w[0]), abs(w[1]), abs(w[2])
     if x <= y and x <= z:
         helper = (1.0, 0.0, 0.0)
@@ -60,9 +46,9 @@ def frame_between(points, low, high):
         helper = (0.0, 1.0, 0.0)
     else:
         helper = (0.0, 0.0, 1.0)
-    u = _cross(helper, w)
-    u = _scaled(u, math.sqrt(_dot(u, u)))
-    v = _cross(w, u)
+    u = cross(helper, w)
+    u = _scaled(u, math.sqrt(dot(u, u)))
+    v = cross(w, u)
     return origin, _turned(u, v, COSINE, SINE), _turned(v, u, COSINE, -SINE)
 
 
@@ -71,28 +57,28 @@ def _flat(frame, spot):
     """The two coordinates of a place in the plane of a frame."""
     origin, across, up = frame
     away = (spot[0] - origin[0], spot[1] - origin[1], spot[2] - origin[2])
-    return _dot(away, across), _dot(away, up)
+    return dot(away, across), dot(away, up)
 
 
 @inlined
 def _between(positions, ends, edge, place):
     """The place at a share of the way along a Voronoi edge."""
-    a, b = _row(positions, ends[edge, 0]), _row(positions, ends[edge, 1])
+    a, b = place_of(positions, ends[edge, 0]), place_of(positions, ends[edge, 1])
     return a[0] + place * (b[0] - a[0]), a[1] + place * (b[1] - a[1]), a[2] + place * (b[2] - a[2])
 
 
 @called
 def _within_ball(positions, ends, edge, ball):
     """Least and largest place of a Voronoi edge in a ball (middle, radius); see `voronoi_clip`."""
-    a, b = _row(positions, ends[edge, 0]), _row(positions, ends[edge, 1])
+    a, b = place_of(positions, ends[edge, 0]), place_of(positions, ends[edge, 1])
     start = (a[0] - ball[0], a[1] - ball[1], a[2] - ball[2])
     way = (b[0] - ball[0] - start[0], b[1] - ball[1] - start[1], b[2] - ball[2] - start[2])
-    square = _dot(way, way)
+    square = dot(way, way)
     if square == 0:
         square = 1.0
-    nearest = -_dot(start, way) / square
+    nearest = -dot(start, way) / square
     off = (start[0] + nearest * way[0], start[1] + nearest * way[1], start[2] + nearest * way[2])
-    half = math.sqrt(max(ball[3] * ball[3] - _dot(off, off), 0.0) / square)
+    half = math.sqrt(max(ball[3] * ball[3] - dot(off, off), 0.0) / square)
     return min(max(nearest - half, 0.0), 1.0), min(max(nearest + half, 0.0), 1.0)
 
 
@@ -153,7 +139,7 @@ def boundary_walls(segments, outward, bounds, frame, walls, numbers, n):
     for i in range(bounds[0], bounds[1]):
         start = _flat(frame, (segments[i, 0, 0], segments[i, 0, 1], segments[i, 0, 2]))
         stop = _flat(frame, (segments[i, 1, 0], segments[i, 1, 1], segments[i, 1, 2]))
-        kind = ENTER if _dot(_row(outward, i), up) < 0 else LEAVE
+        kind = ENTER if dot(place_of(outward, i), up) < 0 else LEAVE
         n += _set_wall(walls, numbers, n, start, stop, kind, NO_EDGE, stop[0], stop[0])
     return n
 
