@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_BIT, VTK_ID_TYPE, vtkCharArray, vtkDataArray, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import (
+    VTK_TETRA,
+    vtkCellArray,
+    vtkDataSetAttributes,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
 from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkAppendPolyData
 from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessController
 
@@ -206,7 +212,10 @@ def _marshalled(data) -> np.ndarray:
 def _unmarshalled(message: np.ndarray):
     text = vtkCharArray()
     text.DeepCopy(numpy_to_vtk(message.view(np.int8), deep=1))
-    return vtkCommunicator.UnMarshalDataObject(text)
+    data = vtkCommunicator.UnMarshalDataObject(text)
+    if isinstance(data, vtkUnstructuredGrid) and data.GetNumberOfCells() == 0:
+        data.SetCells(VTK_TETRA, vtkCellArray())  # without its own list of none vtkAppendFilter crashes
+    return data
 
 
 def _appended(parts):
