@@ -224,6 +224,7 @@ def _appended(parts):
             f"expected polygonal data or an unstructured grid on several ranks, got {parts[0].GetClassName()}; "
             "use one rank, or append the pieces."
         )
+    _describe_no_cells_alike(parts)
     append = vtkAppendPolyData() if isinstance(parts[0], vtkPolyData) else vtkAppendFilter()
     for part in parts:
         append.AddInputData(part)
@@ -231,6 +232,14 @@ def _appended(parts):
     whole = append.GetOutput()
     whole.GetFieldData().ShallowCopy(parts[0].GetFieldData())
     return whole
+
+
+def _describe_no_cells_alike(parts) -> None:
+    """Give pieces without cells the cell arrays that others have, or appending would leave these out."""
+    like = next((part for part in parts if part.GetNumberOfCells()), None)
+    for part in parts if like is not None else ():
+        if part.GetNumberOfCells() == 0:
+            part.GetCellData().CopyStructure(like.GetCellData())
 
 
 def _in_order_of_ids(data):
