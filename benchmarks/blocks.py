@@ -24,20 +24,22 @@ from tetraskel.distributed import shelf
 from tetraskel.distributed.blockwise import BlockOptions, skeleton_in_blocks
 from tetraskel.kernels.mesh import submesh
 
-THRESHOLD = 0.1
 MEGA = 1e6
-CLOUDS = {"uniform": (uniform, "all"), "torus": (torus, "gates")}
+CLOUDS = {
+    "uniform": (uniform, BlockOptions(threshold=0.1)),
+    "torus": (torus, BlockOptions(threshold=0.01, inside="gates")),  # its simplices are long and thin
+}
 
 
 def megabytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / MEGA
 
 
-def serial(points, inside):
+def serial(points, options):
     mesh = triangulate(points, engine="exact")
-    if inside != "all":
-        mesh = submesh(mesh, interior(mesh, method=inside))
-    assemble_skeleton(remove_flat(build_tree(mesh), threshold=THRESHOLD))
+    if options.inside != "all":
+        mesh = submesh(mesh, interior(mesh, method=options.inside))
+    assemble_skeleton(remove_flat(build_tree(mesh), threshold=options.threshold))
 
 
 class Disk:
@@ -58,16 +60,16 @@ class Disk:
 def measured(path, n_blocks, name):
     """One way, in this process: what it came to hold, what it had on disk, its time."""
     disk, folder = Disk(), Path(path).parent
-    cloud, inside = CLOUDS[name]
-    few, options = cloud(np.random.default_rng(1), 3000), BlockOptions(threshold=THRESHOLD, inside=inside)
+    cloud, options = CLOUDS[name]
+    few = cloud(np.random.default_rng(1), 3000)
     points = np.load(path, mmap_mode="r")
     skeleton_in_blocks(few, folder, 2, options)
-    serial(few, inside)
+    serial(few, options)
     before, started = megabytes(), time.perf_counter()
     if n_blocks:
         skeleton_in_blocks(points, folder, n_blocks, options)
     else:
-        serial(points, inside)
+        serial(points, options)
     print(before, megabytes() - before, disk.most / MEGA, time.perf_counter() - started)
 
 
