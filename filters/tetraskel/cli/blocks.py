@@ -26,7 +26,7 @@ AS_MANY_AS_NEEDED = 0
 CURVE_BYTES = 2200  # of the process for each point of the curve skeleton (docs/speed.md)
 HELP = (
     f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
-    "beside OUT instead of memory; the same result, slower"
+    "beside OUT instead of memory; the same result, slower; with --inside all or gates"
 )
 
 

@@ -1,7 +1,8 @@
 """The tree's skeleton of points larger than memory: the ranks' way, one block after another, from files to files.
 
-Blocks take the place of ranks (`in_turn`), so that the result is the serial one, array for array. What the blocks
-find is written where it belongs in the whole skeleton, which is never in memory either.
+Blocks take the place of ranks (`in_turn`), so that the result is the serial one, array for array; the tree may be that
+of all simplices, or of those inside by gates. What the blocks find is written where it belongs in the whole skeleton,
+which is never in memory either.
 """
 
 from __future__ import annotations
