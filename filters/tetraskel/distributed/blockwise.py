@@ -108,7 +108,8 @@ def skeleton_in_blocks(
     Parameters
     ----------
     folder : path
-        Where the blocks' files are meanwhile: on a disk with about 2.3 kB for each point of a volume.
+        Where the blocks' files are meanwhile: on a disk with about 2.3 kB for each point of a volume, 3.7 kB of a
+        surface.
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
 
