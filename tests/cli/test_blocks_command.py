@@ -11,6 +11,7 @@ import pytest
 import pyvista
 
 from commands import run
+from dealt import torus
 from tetraskel.kernels.compilation import numba_is_used
 
 needs_numba = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
@@ -58,6 +59,33 @@ def test_blocks_write_what_the_serial_command_writes(tmp_path, capsys, suffix):
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([source.name, "whole.vtp", "blocks.vtp"])
 
 
+TORUS = torus(np.random.default_rng(0), 700)
+INSIDE = {
+    "few points": (TORUS, (), "taken for inside is what is 1.5 times larger"),
+    "noise": (TORUS + np.random.default_rng(1).normal(0, 0.02, TORUS.shape), ("--noise", "1", "--ratio", "1.4"), ""),
+    "nothing": (POINTS, ("--keep-leaves",), "nothing lies inside: no room is 2 times larger"),
+}
+
+
+@needs_numba
+@pytest.mark.parametrize("case", INSIDE)
+def test_blocks_write_the_tree_of_the_inside(tmp_path, capsys, case):
+    points, more, message = INSIDE[case]
+    source = written(tmp_path, ".npy", points)
+    call = ("--method", "tree", "--inside", "gates", "--threshold", "0.1", "--json", *more)
+    said = {}
+    for name, blocks in (("whole", ()), ("blocks", ("--blocks", "3"))):
+        status, out, err = run(capsys, "skeleton", source, tmp_path / f"{name}.vtp", *call, *blocks)
+        assert status == 0
+        said[name] = {**json.loads(out), "output": ""}, err
+    assert said["blocks"] == said["whole"]
+    assert err.count("warning: InteriorCells: ") == err.count("\n") == (message != "")
+    assert message in err
+    assert (said["whole"][0]["points"] > 100) == (case != "nothing")
+    assert_same(tmp_path / "whole.vtp", tmp_path / "blocks.vtp")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([source.name, "whole.vtp", "blocks.vtp"])
+
+
 @needs_numba
 def test_tables_come_in_pieces_and_from_a_pipe(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("tetraskel.cli.pieces.PIECE", 60)
@@ -90,7 +118,9 @@ def test_tables_of_branches_and_json_are_the_serial_ones(tmp_path, capsys):
     [
         (("--blocks",), "expected --method tree with --blocks, got the curve skeleton"),
         (("--blocks", "-1"), "expected --blocks with the number of blocks, got -1"),
-        (("--blocks", "--inside", "gates"), "expected --inside all with --blocks"),
+        (("--blocks", "--inside", "array"), "expected --inside all or gates with --blocks, got array"),
+        (("--blocks", "--inside", "gates", "--ratio", "0.5"), "ratio must lie between"),
+        (("--blocks", "--noise", "2"), "expected --noise with --inside gates only"),
         (("--blocks", "--traversal", "depth"), "expected --traversal breadth with --blocks"),
         (("--blocks", "--joggle", "1e-6"), "expected --joggle 0.0 with --blocks"),
         (("--blocks", "--denoise"), "expected --denoise False with --blocks"),
@@ -150,13 +180,15 @@ def test_other_outputs_and_places_are_refused_before_any_work(tmp_path, capsys):
 
 
 @needs_numba
-def test_ctrl_c_leaves_nothing(tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize("inside", ["all", "gates"])
+def test_ctrl_c_leaves_nothing(tmp_path, capsys, monkeypatch, inside):
     def interrupted(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("tetraskel.distributed.in_process._wait_for", _once(interrupted))
     source = written(tmp_path, ".npy")
-    status, _, err = run(capsys, "skeleton", source, tmp_path / "o.vtp", "--method", "tree", "--blocks", "2")
+    call = ("skeleton", source, tmp_path / "o.vtp", "--method", "tree", "--blocks", "2", "--inside", inside)
+    status, _, err = run(capsys, *call)
     assert (status, "stopped; nothing was written" in err) == (130, True)
     assert list(tmp_path.iterdir()) == [source]
 

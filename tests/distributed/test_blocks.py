@@ -10,13 +10,14 @@ import sys
 import tempfile
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
 
-from dealt import clustered, lattice, sphere, uniform
+from dealt import clustered, lattice, sphere, torus, uniform
 from paths import ENVIRONMENT
-from tetraskel import assemble_skeleton, build_tree, remove_flat, triangulate
+from tetraskel import InsideWarning, assemble_skeleton, build_tree, interior, remove_flat, triangulate
 from tetraskel.distributed import in_turn
 from tetraskel.distributed.blockwise import POINTS_PER_BLOCK, BlockOptions, blocks_for, skeleton_in_blocks
 from tetraskel.distributed.communicator import Route
@@ -24,6 +25,7 @@ from tetraskel.distributed.in_turn import run_in_turn
 from tetraskel.distributed.shelf import SMALL, Shelf
 from tetraskel.errors import Aborted, InputError, RankError
 from tetraskel.kernels.compilation import numba_is_used
+from tetraskel.kernels.mesh import submesh
 from tetraskel.kernels.node_arrays import forest_arrays, simplex_arrays, skeleton_arrays
 
 needs_numba = pytest.mark.skipif(not numba_is_used(), reason="numba is not installed (the extra fast)")
@@ -45,24 +47,85 @@ def test_blocks_give_the_serial_skeleton(tmp_path, cloud, n_blocks):
     options = BlockOptions(threshold=0.2, centre="incentre", keep_leaves=n_blocks == 2)
     found = skeleton_in_blocks(points, tmp_path, n_blocks, options)
     mesh = triangulate(points, engine="exact")
-    tree = build_tree(mesh)
-    kept = remove_flat(tree, threshold=0.2)
-    skeleton = assemble_skeleton(kept, centre="incentre", keep_leaves=n_blocks == 2)
+    assert_serial(found, mesh, options)
+    assert found.facts["DuplicatesMerged"] == 10
+    assert list(tmp_path.iterdir()) == []
+
+
+def assert_serial(found, mesh, options, inside=None):
+    """The skeleton is that of the mesh, or of its simplices inside, array for array."""
+    tree = build_tree(mesh if inside is None else submesh(mesh, inside))
+    kept = remove_flat(tree, threshold=options.threshold)
+    skeleton = assemble_skeleton(kept, centre=options.centre, keep_leaves=options.keep_leaves)
     assert np.array_equal(found.points, skeleton.points)
     assert np.array_equal(found.offsets, skeleton.branch_offsets)
     assert np.array_equal(found.path, skeleton.branch_nodes)
     assert np.array_equal(found.lengths, skeleton.branch_lengths)
     assert np.array_equal(found.original_ids, mesh.original_ids)
-    of_tree = {**forest_arrays(kept.forest), **simplex_arrays(kept)}
+    told = {} if inside is None else {"Inside": np.ones(len(kept), bool)}
+    of_tree = {**forest_arrays(kept.forest), **told, **simplex_arrays(kept)}
     expected = {name: values[skeleton.node] for name, values in of_tree.items()} | skeleton_arrays(skeleton)
     assert list(found.nodes) == list(expected)
     for name, values in expected.items():
         assert np.array_equal(found.nodes[name], values), name
         assert found.nodes[name].dtype == values.dtype, name
     assert found.facts["FlatRemoved"] == len(tree) - len(kept)
-    assert found.facts["DuplicatesMerged"] == 10
     assert found.facts["Leaves"] == int(kept.is_leaf.sum())
+    assert found.facts.get("InsideCells") == (None if inside is None else len(tree))
+
+
+def box_shell(rng, n):
+    """The surface of a box on a lattice: all gates have one of two widths."""
+    side = round((n / 6) ** 0.5)
+    grid = np.stack(np.meshgrid(*[np.arange(side + 1.0)] * 3), -1).reshape(-1, 3)
+    return rng.permutation(grid[((grid == 0) | (grid == side)).any(axis=1)])
+
+
+def noisy(rng, n):
+    """A torus with scatter."""
+    return torus(rng, n) + rng.normal(0, 0.03, (n, 3))
+
+
+INSIDES = {torus: (1500, {}), box_shell: (400, {}), noisy: (500, {"noise": 2.0, "ratio": 1.5}), uniform: (300, {}),
+           lattice: (216, {})}  # fmt: skip
+
+
+@needs_numba
+@pytest.mark.parametrize("n_blocks", [1, 3, 5])
+@pytest.mark.parametrize("cloud", INSIDES, ids=lambda cloud: cloud.__name__)
+def test_blocks_give_the_serial_skeleton_of_the_inside(tmp_path, cloud, n_blocks):
+    n, gates = INSIDES[cloud]
+    points = cloud(np.random.default_rng(n_blocks), n)
+    options = BlockOptions(threshold=0.1, inside="gates", **gates)
+    mesh = triangulate(points, engine="exact")
+    expected, messages = warned(lambda: interior(mesh, **gates))
+    assert expected.any() == (cloud not in (uniform, lattice))
+    found, told = warned(lambda: skeleton_in_blocks(points, tmp_path, n_blocks, options))
+    assert told == found.messages == messages
+    assert_serial(found, mesh, options, expected)
     assert list(tmp_path.iterdir()) == []
+
+
+def warned(work):
+    """What a call returns, and what it warns of."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", InsideWarning)
+        result = work()
+    return result, [str(warning.message) for warning in caught]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"inside": "surface"}, "expected the inside all or gates for work in blocks, got 'surface'"),
+        ({"inside": "gates", "ratio": 0.5}, "ratio must lie between"),
+        ({"inside": "gates", "noise": -1.0}, "noise must lie between"),
+    ],
+    ids=lambda given: " ".join(given) if isinstance(given, dict) else "",
+)
+def test_an_inside_that_blocks_cannot_find_is_said(tmp_path, given, message):
+    with pytest.raises(InputError, match=message):
+        skeleton_in_blocks(np.zeros((9, 3)), tmp_path, 2, BlockOptions(**given))
 
 
 @needs_numba
@@ -98,15 +161,20 @@ def test_nothing_but_flat_simplices_is_said(tmp_path):
 
 
 @needs_numba
-def test_who_asks_to_stop_stops_and_nothing_stays(tmp_path):
-    before = threading.active_count()
+@pytest.mark.parametrize(("inside", "when"), [("all", 0.1), ("gates", 0.1), ("gates", 0.62), ("gates", 0.69)])
+def test_who_asks_to_stop_stops_and_nothing_stays(tmp_path, inside, when):
+    """With an inside, also while the widths are measured and while the gates are followed."""
+    before, shares = threading.active_count(), []
 
     def tick(share):
-        if share > 0.1:
+        shares.append(share)
+        if share > when:
             raise Aborted("stopped on request.")
 
     with pytest.raises(Aborted, match=r"^stopped on request"):
-        skeleton_in_blocks(np.random.default_rng(0).random((500, 3)), tmp_path, 4, tick=tick)
+        skeleton_in_blocks(torus(np.random.default_rng(0), 500), tmp_path, 4, BlockOptions(inside=inside), tick)
+    assert shares == sorted(shares)
+    assert next(share for share in shares if share > when) < 0.75  # before the tree
     assert list(tmp_path.iterdir()) == []
     assert threading.active_count() == before
 

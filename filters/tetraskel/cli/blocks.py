@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
+import warnings
 from pathlib import Path
 
 from tetraskel.cli.arguments import values
 from tetraskel.cli.chain import prepared, summary_of, tell_counts
 from tetraskel.cli.drawings import draw_all
 from tetraskel.cli.files import expect_points, read, replace_file
-from tetraskel.distributed.blockwise import POINTS_PER_BLOCK, BlockOptions, blocks_for, skeleton_in_blocks
-from tetraskel.errors import InputError
-from tetraskel.options import DelaunayOptions, FlatOptions, SkeletonOptions, TreeOptions
+from tetraskel.distributed.blockwise import (
+    INSIDES,
+    POINTS_PER_BLOCK,
+    BlockOptions,
+    blocks_for,
+    skeleton_in_blocks,
+)
+from tetraskel.errors import InputError, InsideWarning
+from tetraskel.options import DelaunayOptions, FlatOptions, InteriorOptions, SkeletonOptions, TreeOptions
 
 AS_MANY_AS_NEEDED = 0
 CURVE_BYTES = 2200  # of the process for each point of the curve skeleton (docs/speed.md)
 HELP = (
     f"tree: work through the points in N blocks (no N: of {POINTS_PER_BLOCK:,} points), with what they hold in files "
-    "beside OUT instead of memory; the same result, slower"
+    "beside OUT instead of memory; the same result, slower; with --inside all or gates"
 )
 
 
@@ -45,9 +53,13 @@ def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
     points = mapped_points(chosen.input, folder, points_only=chosen.points_only)
     expect_points(len(points), chosen.input)
     n_blocks = chosen.blocks or blocks_for(len(points))
-    options = BlockOptions(**{k: v for one in STAGES for k, v in values(chosen, one).items() if k != "traversal"})
-    with ProgressLine() as line:
-        whole = skeleton_in_blocks(points, folder, n_blocks, options, lambda share: line.show("Block by block", share))
+    with ProgressLine() as line, warnings.catch_warnings():
+        warnings.simplefilter("ignore", InsideWarning)  # said below, as without blocks
+        whole = skeleton_in_blocks(
+            points, folder, n_blocks, _options(chosen), lambda share: line.show("Block by block", share)
+        )
+    for message in whole.messages:
+        print(f"warning: InteriorCells: {message}", file=sys.stderr)
     facts = {**whole.facts, "OriginalPointIds": whole.original_ids}
     removed = facts.pop("FlatRemoved")
     replace_file(Path(chosen.output), lambda part: write_vtp(part, whole, {**facts, "FlatRemoved": removed}))
@@ -69,7 +81,14 @@ def run_in_blocks(chosen: argparse.Namespace, extras: dict) -> None:
     tell_counts(chosen, counts, singles, summary_of(chosen, counts, int(whole.facts["DuplicatesMerged"])))
 
 
-STAGES = (TreeOptions, FlatOptions, SkeletonOptions)
+def _options(chosen: argparse.Namespace) -> BlockOptions:
+    """What the call asks of the skeleton."""
+    given = {name: value for one in STAGES for name, value in values(chosen, one).items()}
+    del given["traversal"]  # breadth
+    return BlockOptions(inside=given.pop("method"), **given)
+
+
+STAGES = (InteriorOptions, TreeOptions, FlatOptions, SkeletonOptions)
 
 
 def _expect_possible(chosen: argparse.Namespace) -> None:
@@ -85,8 +104,12 @@ def _expect_possible(chosen: argparse.Namespace) -> None:
         raise InputError(f"expected --blocks with the number of blocks, got {chosen.blocks}; leave the number out.")
     if Path(chosen.output).suffix.lower() != ".vtp":
         raise InputError(f"expected an output file ending in .vtp with --blocks, got {chosen.output!r}.")
+    if chosen.inside not in INSIDES:
+        raise InputError(
+            f"expected --inside {' or '.join(INSIDES)} with --blocks, got {chosen.inside}: that needs all points at "
+            "once."
+        )
     unlike = {
-        "--inside": (chosen.inside, "all"),
         "--traversal": (chosen.traversal, "breadth"),
         "--joggle": (chosen.joggle, DelaunayOptions.joggle),
         "--denoise": (chosen.denoise, False),

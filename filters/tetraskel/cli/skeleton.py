@@ -35,6 +35,10 @@ EXAMPLES = (
         "skeleton cloud.csv tree.vtp --method tree --threshold 0.05",
     ),
     ("The same of points that do not fit in memory:", "skeleton big.npy tree.vtp --method tree --blocks"),
+    (
+        "The tree of the inside of a surface, of points that do not fit either:",
+        "skeleton scan.npy tree.vtp --method tree --inside gates --blocks",
+    ),
     ("Every file of a folder, each with its own result:", "skeleton scans/*.ply skeletons/"),
 )
 

@@ -1,11 +1,13 @@
 """The tree's skeleton of points larger than memory: the ranks' way, one block after another, from files to files.
 
-Blocks take the place of ranks (`in_turn`), so that the result is the serial one, array for array. What the blocks
-find is written where it belongs in the whole skeleton, which is never in memory either.
+Blocks take the place of ranks (`in_turn`), so that the result is the serial one, array for array; the tree may be that
+of all simplices, or of those inside by gates. What the blocks find is written where it belongs in the whole skeleton,
+which is never in memory either.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,12 +18,14 @@ from numpy.typing import NDArray
 from tetraskel.distributed.flat import contract_part
 from tetraskel.distributed.forests import ForestPart
 from tetraskel.distributed.in_turn import TurnCommunicator, run_in_turn
+from tetraskel.distributed.interior import interior_of_part
+from tetraskel.distributed.parts import MeshPart, submesh_of_part
 from tetraskel.distributed.shelf import Shelf
 from tetraskel.distributed.skeleton import SkeletonPart, skeleton_part
 from tetraskel.distributed.space import fills_space
-from tetraskel.distributed.tree import TreePart, build_tree_part, simplex_arrays_of_part
+from tetraskel.distributed.tree import build_tree_part, simplex_arrays_of_part
 from tetraskel.distributed.triangulation import triangulate_part
-from tetraskel.errors import InputError
+from tetraskel.errors import InputError, InsideWarning
 from tetraskel.kernels.centres import centres
 from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.flat import all_flat
@@ -30,13 +34,14 @@ from tetraskel.kernels.plane import roundings_by_axis
 from tetraskel.kernels.points import distinct_points, finite_points, full_dimensional
 from tetraskel.kernels.skeleton import lengths_along
 from tetraskel.kernels.triangulate import ready_engine
-from tetraskel.options import FlatOptions, SkeletonOptions, TreeOptions
+from tetraskel.options import FlatOptions, InteriorOptions, SkeletonOptions, TreeOptions
 
 Array = NDArray[Any]
 
 POINTS_PER_BLOCK = 500_000  # of a block; not measured at this size
 FEW = 100_000  # points that may be looked at together to say what is wrong with them
 PIECE = 1 << 14  # branches treated together
+INSIDES = ("all", "gates")  # of `InteriorOptions.method`, those that work in blocks
 
 
 def blocks_for(n: int) -> int:
@@ -46,11 +51,18 @@ def blocks_for(n: int) -> int:
 
 @dataclass(frozen=True)
 class BlockOptions:
-    """What is asked of the tree's skeleton; see the options of each stage in `tetraskel.options`."""
+    """What is asked of the tree's skeleton; see the options of each stage in `tetraskel.options`.
+
+    The tree is that of the simplices inside, by the method `inside`: all, or those that gates find with `ratio` and
+    `noise`.
+    """
 
     centre: str = TreeOptions.centre
     threshold: float = FlatOptions.threshold
     keep_leaves: bool = SkeletonOptions.keep_leaves
+    inside: str = "all"
+    ratio: float = InteriorOptions.ratio
+    noise: float = InteriorOptions.noise
 
 
 @dataclass
@@ -71,6 +83,8 @@ class WholeSkeleton:
         Single numbers and words.
     original_ids : (p,) int
         Input id of each point that was triangulated.
+    messages : list of str
+        What there was to warn of.
     """
 
     shelf: Shelf
@@ -83,6 +97,7 @@ class WholeSkeleton:
     facts: dict[str, int | float | str] = field(default_factory=dict)
     original_ids: Array = field(default_factory=lambda: np.empty(0, np.int64))
     first_depth: Array = field(default_factory=lambda: np.empty(0, np.int32))
+    messages: list[str] = field(default_factory=list)
 
 
 def skeleton_in_blocks(
@@ -93,33 +108,46 @@ def skeleton_in_blocks(
     Parameters
     ----------
     folder : path
-        Where the blocks' files are meanwhile: on a disk with about 2.3 kB for each point.
+        Where the blocks' files are meanwhile: on a disk with about 2.3 kB for each point of a volume, 3.7 kB of a
+        surface.
     tick : callable, optional
         Told the share of work done; may raise `Aborted`.
 
     Raises
     ------
     InputError
-        For points that are not finite, do not fill space, or give flat simplices only; for a full disk.
+        For points that are not finite, do not fill space, or give flat simplices only; for an inside that needs all
+        points at once; for a full disk.
     EngineError
         When the exact engine is not there.
+
+    Warns
+    -----
+    InsideWarning
+        When nothing lies inside, or only rooms smaller than asked do.
     """
     wanted = BlockOptions() if options is None else options
+    if wanted.inside not in INSIDES:
+        raise InputError(f"expected the inside {' or '.join(INSIDES)} for work in blocks, got {wanted.inside!r}.")
+    InteriorOptions(method=wanted.inside, ratio=wanted.ratio, noise=wanted.noise)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(
             f"expected points in space for work in blocks, got shape {points.shape}; leave out the blocks."
         )
     ready_engine("exact", 3, part(tick, 0.0, 0.02))
-    whole = WholeSkeleton(Shelf(folder))
+    whole, furthest = WholeSkeleton(Shelf(folder)), [0.0]
 
     def work(comm: TurnCommunicator) -> None:
         def told(share: float) -> None:
             comm.check()
-            tick(0.02 + 0.98 * share)
+            furthest[0] = max(furthest[0], share)  # blocks that come later in a stage do not go back
+            tick(0.02 + 0.98 * furthest[0])
 
         _block(comm, points, wanted, whole, told)
 
     run_in_turn(n_blocks, work, folder)
+    for message in whole.messages:
+        warnings.warn(message, InsideWarning, stacklevel=2)
     return whole
 
 
@@ -128,8 +156,14 @@ def _block(comm: TurnCommunicator, points: Array, wanted: BlockOptions, whole: W
     mine = slice(*(len(points) * k // comm.size for k in (comm.rank, comm.rank + 1)))
     _expect_space(comm, points, points[mine])
     done = (0.6 * comm.rank / comm.size, 0.6 * (comm.rank + 1) / comm.size)
-    tree = _tree(comm, points[mine], mine.start, whole, part(tick, *done))
+    mesh_part = _triangulated(comm, points[mine], mine.start, whole, part(tick, *done))
+    if wanted.inside != "all":
+        mesh_part = _inside(comm, mesh_part, wanted, whole, part(tick, 0.6, 0.7))
+    tree = build_tree_part(comm, mesh_part)
+    del mesh_part
     described = simplex_arrays_of_part(tree, part(tick, 0.8, 0.8))
+    if wanted.inside != "all":
+        described = {"Inside": np.ones(len(tree.cell), bool), **described}
     names = list(described)
     described = dict(zip(names, comm.keep(*described.values()), strict=True))
     positions = comm.keep(centres(tree.part.mesh, wanted.centre)[tree.cell])[0]
@@ -160,8 +194,8 @@ def _expect_space(comm: TurnCommunicator, points: Array, mine: Array) -> None:
     )
 
 
-def _tree(comm: TurnCommunicator, mine: Array, first: int, whole: WholeSkeleton, tick: Tick) -> TreePart:
-    """The tree of the block, and what is to be said of the points."""
+def _triangulated(comm: TurnCommunicator, mine: Array, first: int, whole: WholeSkeleton, tick: Tick) -> MeshPart:
+    """The simplices of the block, and what is to be said of the points."""
     found = triangulate_part(comm, mine, np.arange(first, first + len(mine)), tick)
     if comm.rank == 0:
         merged = found.n_input - found.n_distinct
@@ -170,9 +204,22 @@ def _tree(comm: TurnCommunicator, mine: Array, first: int, whole: WholeSkeleton,
     comm.agree()
     whole.original_ids[found.part.point_ids[found.owned]] = found.origins[found.owned, 0]
     whole.shelf.leave()
-    mesh_part = found.part
+    return found.part
+
+
+def _inside(
+    comm: TurnCommunicator, mesh_part: MeshPart, wanted: BlockOptions, whole: WholeSkeleton, tick: Tick
+) -> MeshPart:
+    """Those simplices of the block that lie inside, and what is to be said of them."""
+    options = InteriorOptions(method=wanted.inside, ratio=wanted.ratio, noise=wanted.noise)
+    found = interior_of_part(comm, mesh_part, options, tick=tick)
+    inside, messages = found.inside, found.messages
     del found
-    return build_tree_part(comm, mesh_part)
+    kept = submesh_of_part(comm, mesh_part, inside)
+    if comm.rank == 0:
+        whole.messages.extend(messages)
+        whole.facts["InsideCells"] = kept.n_cells
+    return kept
 
 
 def _count(comm: TurnCommunicator, whole: WholeSkeleton, forest: ForestPart, removed: int) -> None:

@@ -32,25 +32,31 @@ class Cuts(Border):
     def __init__(self, comm: Communicator, part: MeshPart) -> None:
         self.comm, self.part = comm, part
         width = part.mesh.dim + 1
-        self.cells = part.halves // width
-        self.neighbors = part.mesh.neighbors.copy()
-        self.neighbors.reshape(-1)[part.halves] = len(part) + np.arange(len(part.halves))
+        neighbors = part.mesh.neighbors.copy()
+        neighbors.reshape(-1)[part.halves] = len(part) + np.arange(len(part.halves))
+        mates = part.mates.astype(index_type(width * part.n_cells))
+        self.cells, self.neighbors, self._mates = comm.keep(part.halves // width, neighbors, mates)
+        del neighbors, mates
         self.n_halves = comm.total(len(part.halves))
-        self._mates = part.mates.astype(index_type(width * part.n_cells))
         self._route = Route(comm, part.ranks)
-        self._link = self._links_of(self._route.forward(self._mates))
+        self._link = comm.keep(self._links_of(self._route.forward(self._mates)))[0]
 
     def swapped(self, values: Array) -> Array:
         """What the other side says of each cut facet, from what this side says (k,)."""
         received = self._route.forward(values)
         theirs = np.empty_like(received)
         theirs[self._link] = received
-        return theirs
+        return self.comm.keep(theirs)[0]
 
     def with_others(self, values: Array, outside: Any) -> Array:
         """Values of all that `neighbors` names, from those of own simplices (m,), and at last the outside's."""
         last = np.array([outside], values.dtype)
-        return np.concatenate([values, self.swapped(values[self.cells]), last])
+        values = self.comm.keep(values)[0]
+        return self.comm.keep(np.concatenate([values, self.swapped(values[self.cells]), last]))[0]
+
+    def keep(self, *arrays: Array) -> list[Array]:
+        """See `Border.keep`."""
+        return self.comm.keep(*arrays)
 
     def is_anybody(self, here: bool) -> bool:
         """See `Border.is_anybody`."""

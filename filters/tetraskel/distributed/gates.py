@@ -36,22 +36,27 @@ def basins_of_part(comm: Communicator, part: MeshPart, cuts: Cuts, widths: Float
     """
     m, k = cuts.neighbors.shape[0], len(cuts.cells)
     numbers = cuts.with_others(part.cell_ids.astype(index_type(part.n_cells + 1)), part.n_cells)
-    widest = widest_neighbors(cuts.neighbors, widths, numbers)
+    widest = comm.keep(widest_neighbors(cuts.neighbors, widths, numbers))[0]
     ahead = widest[cuts.cells] == m + np.arange(k)  # cut facets that lead on from their simplex
     first_of_pair = ahead & cuts.swapped(ahead) & (numbers[cuts.cells] < numbers[m : m + k])
     widest[cuts.cells[first_of_pair]] = cuts.cells[first_of_pair]
+    del numbers
     joined, n_joined = joined_parts(np.concatenate([widest, np.arange(m, m + k + 1, dtype=np.int32)]))
+    del widest
+    joined = comm.keep(joined)[0]
     n_ends = n_joined - k - 1
     first, outside = comm.before(n_ends), comm.total(n_ends)
     ends = first + np.arange(n_ends)
     onward = _ends_beyond(comm, cuts, np.append(ends, outside), joined[:m], ahead & ~first_of_pair)
-    basin = np.concatenate([ends, onward, [outside]]).astype(index_type(outside + 1))[joined[:m]]
+    basin = comm.keep(np.concatenate([ends, onward, [outside]]).astype(index_type(outside + 1))[joined[:m]])[0]
+    del joined, ends, onward
     everywhere = cuts.with_others(basin, outside)
     facets = facets_between(cuts.neighbors, everywhere)
     across = everywhere[cuts.neighbors.reshape(-1)[facets]]
     here = basin[facets // cuts.neighbors.shape[1]]
     of_simplex = np.append(basin, everywhere[-1:])
-    return Basins(of_simplex, outside + 1, facets, here, across, widths.reshape(-1)[facets])
+    of_simplex, facets, here, across, wide = comm.keep(of_simplex, facets, here, across, widths.reshape(-1)[facets])
+    return Basins(of_simplex, outside + 1, facets, here, across, wide)
 
 
 def _ends_beyond(comm: Communicator, cuts: Cuts, ends: Ints, joined: Ints, leading: NDArray[np.bool_]) -> Ints:
@@ -102,11 +107,9 @@ def tree_on_first(comm: Communicator, part: MeshPart, basins: Basins, rooms: Flo
     rooms : (m,) float
         Room radii of its simplices.
     """
-    names, ends = np.unique(np.concatenate([basins.first, basins.second]), return_inverse=True)
-    first, second = ends.reshape(2, -1)
-    own = Links(first, second, basins.width, basins.facets).spanning(len(names))
+    own = _own_links(basins)
     start = comm.before(len(part)) * (part.mesh.dim + 1)
-    pairs = comm.gather(np.stack([names[own.first], names[own.second]], axis=1))
+    pairs = comm.gather(np.stack([own.first, own.second], axis=1))
     facets = (start + own.facets.astype(np.int64)).astype(index_type((part.mesh.dim + 1) * part.n_cells))
     links = Links(pairs[:, 0], pairs[:, 1], comm.gather(own.width), comm.gather(facets))
     with_rooms, radii = _largest_rooms(basins.of_simplex[:-1], rooms)
@@ -116,6 +119,14 @@ def tree_on_first(comm: Communicator, part: MeshPart, basins: Basins, rooms: Flo
     own_room = np.zeros(basins.count)
     np.maximum.at(own_room, with_rooms, radii)
     return gate_tree_of_links(basins, links.spanning(basins.count), own_room)
+
+
+def _own_links(basins: Basins) -> Links:
+    """The links of the maximum spanning forest of this rank's facets."""
+    names, ends = np.unique(np.concatenate([basins.first, basins.second]), return_inverse=True)
+    first, second = ends.reshape(2, -1)
+    own = Links(first, second, basins.width, basins.facets).spanning(len(names))
+    return replace(own, first=names[own.first], second=names[own.second])
 
 
 def _largest_rooms(basin: Ints, rooms: Floats) -> tuple[Ints, Floats]:

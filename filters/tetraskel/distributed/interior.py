@@ -107,7 +107,8 @@ class MeshOfRanks(Classified):
     def __init__(self, comm: Communicator, mesh: MeshPart, noise: float, tick: Tick = silent) -> None:
         self.comm, self.part, self.dim = comm, mesh, mesh.mesh.dim
         _expect_extent(comm, mesh.mesh.points)
-        widths, rooms = widths_and_rooms(mesh.mesh.coordinates, mesh.mesh.simplices, part(tick, 0.0, 0.5))
+        told = part(tick, 0.0, 0.5)
+        widths, rooms = comm.keep(*widths_and_rooms(mesh.mesh.coordinates, mesh.mesh.simplices, told))
         self.cuts = Cuts(comm, mesh)
         self.mesh = replace(mesh.mesh, neighbors=self.cuts.neighbors)
         self.basins: Basins = basins_of_part(comm, mesh, self.cuts, widths)
@@ -130,10 +131,11 @@ class MeshOfRanks(Classified):
         if self.tree is not None:
             found = regions_behind_doors(self.tree, ratio, self.least_width)
         of_basin = self.comm.from_first(found.of_basin.astype(np.int32))
-        regions = Regions(of_basin.astype(np.int64), self.comm.from_first(found.size))
+        (of_basin,) = self.comm.keep(of_basin.astype(np.int64))
+        regions = Regions(of_basin, self.comm.from_first(found.size))
         shared = shared_on_first(self.comm, shared_facets(self.basins, regions, ratio))
         inside = self.comm.from_first(opposite_sides(shared) if self.comm.rank == 0 else np.empty(0, bool))
-        return inside[regions.of_basin[self.basins.of_simplex[:-1]]]
+        return self.comm.keep(inside[regions.of_basin[self.basins.of_simplex[:-1]]])[0]
 
     def is_any(self, inside: Bools) -> bool:
         """See `Classified.is_any`."""

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from tetraskel.distributed.communicator import Communicator, Route, index_type
 from tetraskel.errors import MeshError
 from tetraskel.kernels.adjacency import facet_points, scramble
-from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.mesh import Triangulation, submesh
 
 Ints = NDArray[np.integer]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,27 @@ def part_of_mesh(comm: Communicator, mesh: Triangulation, point_ids: Ints, cell_
         cell_ids = np.arange(first, first + len(mesh), dtype=index_type(n_cells))
     cell_ids, halves, ranks, mates = comm.keep(cell_ids, open_halves[found], other[found, 0], other[found, 1])
     return MeshPart(mesh, point_ids, cell_ids, halves, ranks, mates, n_cells)
+
+
+def submesh_of_part(comm: Communicator, part: MeshPart, kept: Bools) -> MeshPart:
+    """The simplices where (m,) `kept` holds, numbered anew rank after rank; points and their ids stay as they are.
+
+    A facet whose other side is gone, here or on another rank, becomes part of the boundary.
+    """
+    width = part.mesh.dim + 1
+    cells, corners = np.divmod(part.halves, width)
+    own = np.where(kept[cells], (np.cumsum(kept)[cells] - 1) * width + corners, -1)
+    mesh = submesh(part.mesh, kept)
+    simplices, neighbors, own = comm.keep(mesh.simplices, mesh.neighbors, own)
+    mesh = replace(mesh, simplices=simplices, neighbors=neighbors)
+    met = Route(comm, part.ranks).forward(np.stack([part.mates, own], axis=1))
+    theirs = np.full(len(own), -1, np.int64)
+    theirs[np.searchsorted(part.halves, met[:, 0])] = met[:, 1]
+    found = np.flatnonzero((own >= 0) & (theirs >= 0))
+    halves, ranks, mates = comm.keep(own[found], part.ranks[found], theirs[found])
+    n_cells, first = comm.total(len(mesh)), comm.before(len(mesh))
+    cell_ids = comm.keep(np.arange(first, first + len(mesh), dtype=index_type(n_cells)))[0]
+    return MeshPart(mesh, part.point_ids, cell_ids, halves, ranks, mates, n_cells)
 
 
 def _sorted_by_id(mesh: Triangulation, point_ids: Ints) -> tuple[Triangulation, Ints]:

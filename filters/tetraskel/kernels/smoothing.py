@@ -6,6 +6,8 @@ and pits no larger than themselves.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,7 @@ from tetraskel.kernels.passage_widths import corners_by_axis
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
+Array = NDArray[Any]
 
 ROUNDS = 8  # hardly anything moves after the third
 
@@ -26,6 +29,10 @@ class Border:
 
     This is the border of a whole mesh, with nobody behind it.
     """
+
+    def keep(self, *arrays: Array) -> list[Array]:
+        """Arrays that are used again after the others were heard."""
+        return list(arrays)
 
     def is_anybody(self, here: bool) -> bool:
         """Whether any part says yes."""
@@ -61,11 +68,10 @@ def settled(mesh: Triangulation, side: Bools, border: Border) -> Bools:
     border : Border
         The way to the other parts.
     """
-    side = side.copy()
-    candidates = on_surface(mesh.neighbors, side)
+    side, candidates = border.keep(side.copy(), on_surface(mesh.neighbors, side))
     for _ in range(ROUNDS):
         gain = _gains(mesh, side, candidates)
-        willing, gain = candidates[gain > 0], gain[gain > 0]
+        willing, gain = border.keep(candidates[gain > 0], gain[gain > 0])
         if not border.is_anybody(len(willing) > 0):
             break
         others, their_gain = border.gains(willing, gain)

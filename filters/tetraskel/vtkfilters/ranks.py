@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_BIT, VTK_ID_TYPE, vtkCharArray, vtkDataArray, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import (
+    VTK_TETRA,
+    vtkCellArray,
+    vtkDataSetAttributes,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
 from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkAppendPolyData
 from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessController
 
@@ -206,7 +212,10 @@ def _marshalled(data) -> np.ndarray:
 def _unmarshalled(message: np.ndarray):
     text = vtkCharArray()
     text.DeepCopy(numpy_to_vtk(message.view(np.int8), deep=1))
-    return vtkCommunicator.UnMarshalDataObject(text)
+    data = vtkCommunicator.UnMarshalDataObject(text)
+    if isinstance(data, vtkUnstructuredGrid) and data.GetNumberOfCells() == 0:
+        data.SetCells(VTK_TETRA, vtkCellArray())  # without its own list of none vtkAppendFilter crashes
+    return data
 
 
 def _appended(parts):
@@ -215,6 +224,7 @@ def _appended(parts):
             f"expected polygonal data or an unstructured grid on several ranks, got {parts[0].GetClassName()}; "
             "use one rank, or append the pieces."
         )
+    _describe_no_cells_alike(parts)
     append = vtkAppendPolyData() if isinstance(parts[0], vtkPolyData) else vtkAppendFilter()
     for part in parts:
         append.AddInputData(part)
@@ -222,6 +232,14 @@ def _appended(parts):
     whole = append.GetOutput()
     whole.GetFieldData().ShallowCopy(parts[0].GetFieldData())
     return whole
+
+
+def _describe_no_cells_alike(parts) -> None:
+    """Give pieces without cells the cell arrays that others have, or appending would leave these out."""
+    like = next((part for part in parts if part.GetNumberOfCells()), None)
+    for part in parts if like is not None else ():
+        if part.GetNumberOfCells() == 0:
+            part.GetCellData().CopyStructure(like.GetCellData())
 
 
 def _in_order_of_ids(data):
