@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from tetraskel import build_tree, curve_skeleton, triangulate
+from tetraskel import build_tree, curve_skeleton, triangulate, voronoi_skeleton
 from tetraskel.kernels.compilation import numba_is_used
 from tubes import TUBES
 
@@ -56,11 +56,14 @@ def small_pictures(request, monkeypatch):
 
 def compile_plane():
     """What numba compiles for triangles; programs then say nothing about it."""
-    build_tree(triangulate(np.random.default_rng(0).random((20, 2))))
+    mesh = triangulate(np.random.default_rng(0).random((20, 2)))
+    build_tree(mesh)
+    voronoi_skeleton(mesh, method="sk2")
 
 
 def compile_space():
-    """The same for tetrahedra, from points to curve skeleton."""
+    """The same for tetrahedra, from points to curve skeleton, and Voronoi skeletons."""
     points = TUBES["torus"]().sample(2000)
     build_tree(triangulate(points))
     curve_skeleton(points)
+    voronoi_skeleton(triangulate(points[:100]), method="sk2")
