@@ -55,7 +55,10 @@ def tube_mesh(tube: Tube, cells: int = GRID) -> pyvista.PolyData:
     grid = pyvista.ImageData(dimensions=np.ceil((high - low) / step).astype(int) + 1, spacing=(step,) * 3, origin=low)
     places = np.asarray(grid.points)
     grid["distance"] = np.min([distance_to(axis, places) - r for axis, r in zip(tube.axes, tube.radii, strict=True)], 0)
-    return grid.contour([0.0], scalars="distance").triangulate().clean()
+    mesh = grid.contour([0.0], scalars="distance").triangulate().clean()
+    corners = np.asarray(mesh.points, float)[mesh.regular_faces]
+    outward = np.einsum("ka,ka->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() > 0
+    return mesh if outward else mesh.flip_faces()  # some programs take the other side for the inside
 
 
 def things(folder: str | None, names: list[str]) -> Iterator[Thing]:
