@@ -161,6 +161,8 @@ def main() -> None:
     if arguments.one:
         measure(arguments.one[0], arguments.one[1], int(arguments.one[2]))
         return
+    if arguments.out:
+        arguments.out.mkdir(parents=True, exist_ok=True)  # before hours of work, not after
     names = [*installed(), *STAGES]
     results, text = {}, [INTRODUCTION.format(repeats=arguments.repeats, cores=os.cpu_count(), date=date.today())]
     for kind in CLOUDS:

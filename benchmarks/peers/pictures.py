@@ -1,4 +1,4 @@
-"""A picture for each measure: its median over the objects, by program and number of points."""
+"""A picture for each measure: its median over the objects (of loops the mean), by program and number of points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-MEASURES = {"loops_off": "loops too many or too few", "inside": "share inside", "centredness": "centredness",
+MEASURES = {"loops_off": "loops too many or too few (mean)", "inside": "share inside", "centredness": "centredness",
             "reconstruction": "reconstruction, % of the diagonal", "stability": "turned: distance, % of the diagonal",
             "seconds": "seconds", "peak": "memory, MB"}  # fmt: skip
 LOGARITHMIC = ("seconds", "peak", "reconstruction")
@@ -38,7 +38,8 @@ def draw_all(rows: list[dict], folder: Path) -> None:
 
 
 def medians(rows: list[dict], program: str, name: str) -> tuple[list[int], list[float]]:
-    """Sizes, and the median of a measure over the objects that the program could take."""
+    """Sizes, and the median of a measure over the objects that the program could take (of loops the mean)."""
     mine = [row for row in rows if row["program"] == program and row.get(name) is not None]
     sizes = sorted({row["points"] for row in mine})
-    return sizes, [float(np.median([row[name] for row in mine if row["points"] == size])) for size in sizes]
+    middle = np.mean if name == "loops_off" else np.median
+    return sizes, [float(middle([row[name] for row in mine if row["points"] == size])) for size in sizes]
