@@ -67,6 +67,7 @@ def folder_of_a_user(place):
         scan.save(place / name)
     shutil.copy(SAMPLES / "cloud20.csv", place / "cloud.csv")
     np.save(place / "big.npy", points[::4])
+    np.save(place / "scan.npy", points)
     mask = pyvista.ImageData(dimensions=(12, 12, 12))
     mask["mask"] = (abs(mask.points - 5.5).max(axis=1) < 4).astype("uint8")
     mask.save(place / "mask.vti")

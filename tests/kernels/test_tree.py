@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from paths import SAMPLES
 from reference import Reference
 from tetraskel import (
+    EngineError,
     InputError,
     MeshError,
     Triangulation,
@@ -23,6 +24,7 @@ from tetraskel import (
     triangulate,
     triangulation_of,
 )
+from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.forest import MANY_LEVELS
 
 TRAVERSALS = ["breadth", "depth"]
@@ -68,6 +70,9 @@ def test_equals_queue_on_any_cloud(dim, traversal, data):
         mesh = triangulate(np.array(data.draw(clouds(dim))))
     except InputError:
         return  # all on one line
+    except EngineError:
+        assert not numba_is_used()
+        return  # so nearly on one line that Qhull gives up
     assert_equals_reference(mesh, traversal)
 
 
