@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from nasty import Nasty
 from tetraskel import Triangulation, triangulate, voronoi_skeleton
 from tetraskel.kernels.polygon_slabs import BOTTOM, TOP, cut_into_slabs, walls_from
 from tetraskel.kernels.voronoi_diagram import voronoi_diagram
@@ -66,3 +67,10 @@ def test_needles_of_close_samples_are_on_their_side() -> None:
     assert (diagram.signs != 0).all()
     for method in ("sk1", "sk3"):
         assert np.allclose(voronoi_skeleton(mesh, method=method).points, 0, atol=1e-6)
+
+
+def test_centres_may_be_farther_away_than_an_integer_counts() -> None:
+    """Points that nearly lie on a line, found by fuzzing: the centre of a flat triangle is 1e15 away."""
+    mesh = triangulate(Nasty(family="sheet", dim=2, n=21, seed=42022, spoilers=(), layout="as it is").array())
+    for method in ("sk1", "sk2", "sk3"):
+        assert np.isfinite(voronoi_skeleton(mesh, method=method).points).all()

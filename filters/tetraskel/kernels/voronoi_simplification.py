@@ -70,7 +70,8 @@ def merged(given: Elements, step: float) -> Elements:
     """Points at one place as one, the first; lines and polygons that shrink to nothing are left out."""
     if len(given.points) == 0 or step == 0:
         return given
-    grid = np.rint((given.points - given.points.min(axis=0)) / step).astype(np.int64).view(np.uint64)
+    places = np.rint((given.points - given.points.min(axis=0)) / step)
+    grid = np.clip(places, 0.0, 2.0**62).astype(np.int64).view(np.uint64)  # flat simplices have centres that far away
     names = scramble(grid[:, 0])
     for column in grid.T[1:]:
         names = scramble(names + column)
