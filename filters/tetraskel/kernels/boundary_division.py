@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.chunks import Tick, for_chunks, silent
-from tetraskel.kernels.loops_in_python import call_compiled
+from tetraskel.kernels.chunks import Tick
+from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
 from tetraskel.kernels.voronoi_lines import (
     ON_BORDER,
     Intervals,
@@ -94,39 +94,34 @@ def _not_yet(keys: NDArray[np.uint64], seen: NDArray[np.uint64]) -> Ints:
     return np.asarray(first[seen[np.minimum(np.searchsorted(seen, once), len(seen) - 1)] != once])
 
 
-def on_edges_compiled(mesh: tuple[Floats, Ints], stars: tuple[Ints, Ints], keys: Ints) -> tuple[Ints, Ints, Floats]:
-    """The same as `on_edges`, by numba, in the plane: an edge is done before the next."""
-    coordinates, simplices = mesh
-    around = call_compiled("voronoi_loops.neighbours", (simplices, *stars), silent, 1.0)
+def on_edges_compiled(around: tuple[Floats, Ints, Ints], keys: Ints) -> tuple[Ints, Ints, Floats]:
+    """The same as `on_edges`, by numba, in the plane: an edge is done before the next.
+
+    Parameters
+    ----------
+    around : (n, 2) float, (n+1,) int, (total,) int
+        Points, where the neighbours of each begin, and these.
+    """
+    coordinates, begins, targets = around
     in_space = np.column_stack([coordinates, np.zeros(len(coordinates))])
     ends = np.stack(split_keys(keys), axis=1)
-    found, places = call_compiled("boundary_loops.on_edges", (in_space, *around, ends), silent, 1.0)
+    found, places = call_compiled("boundary_loops.on_edges", (in_space, begins, targets, ends))
     order = np.lexsort([places[:, 0], found[:, 1], found[:, 0]])
     return found[order, 0], found[order, 1], places[order, 0]
 
 
 def on_triangles_compiled(
-    mesh: tuple[Floats, Ints], stars: tuple[Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
+    around: tuple[Floats, Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
 ) -> tuple[Met, Ints, Floats, Floats]:
     """The same as `on_triangles`, by numba: a triangle is done before the next, its edges with it.
 
-    Places closer than `same` where the same cells meet on a triangle are one.
+    Places closer than `same` where the same cells meet on a triangle are one; `around` is as in `on_edges_compiled`.
     """
-    coordinates, simplices = mesh
-    around = call_compiled("voronoi_loops.neighbours", (simplices, *stars), tick, 1.0)
-    pieces: dict[int, tuple[NDArray, ...]] = {}
-
-    def work(piece: slice) -> None:
-        arguments = (coordinates, *around, same, facets[piece], outward[piece])
-        met, spots, pairs, segments = call_compiled("boundary_loops.on_triangles", arguments, silent, 1.0)
-        met[:, 3] += piece.start
-        pairs[:, 1] += piece.start
-        pieces[piece.start] = met, spots, pairs, segments
-
-    work(slice(0, 0))  # compiles
-    for_chunks(work, len(facets), tick)
-    met, spots, pairs, segments = (
-        np.concatenate(column) for column in zip(*map(pieces.get, sorted(pieces)), strict=True)
+    met, spots, pairs, segments = gather_compiled(
+        "boundary_loops.on_triangles",
+        lambda piece: (*around, same, piece.start, facets[piece], outward[piece]),
+        len(facets),
+        tick,
     )
     found = Met(met[:, :3], spots, outward[met[:, 3]], met[:, 4] != 0)
     return found, pairs[:, 0], segments.reshape(-1, 2, 3), outward[pairs[:, 1]]

@@ -197,8 +197,10 @@ def _is_new_place(owners, places, first, last, same):
     return True
 
 
-def on_triangles(points, begins, targets, same, facets, outward):
-    """See `boundary_division.on_triangles`, by triangles; places closer than `same` are one.
+def on_triangles(points, begins, targets, same, first, facets, outward):
+    """See `boundary_division.on_triangles`, by triangles, whose numbers begin with `first`.
+
+    Places closer than `same` where the same cells meet on a triangle are one.
 
     Returns
     -------
@@ -228,7 +230,7 @@ def on_triangles(points, begins, targets, same, facets, outward):
             if high > low:
                 keys, segments = with_room(keys, n_segments), with_room(segments, n_segments)
                 start, stop = _along(origin, way, low), _along(origin, way, high)
-                keys[n_segments, 0], keys[n_segments, 1] = pair, facet
+                keys[n_segments, 0], keys[n_segments, 1] = pair, first + facet
                 for axis in range(3):
                     segments[n_segments, axis], segments[n_segments, 3 + axis] = start[axis], stop[axis]
                 n_segments += 1
@@ -239,7 +241,7 @@ def on_triangles(points, begins, targets, same, facets, outward):
                     owners, places = with_room(owners, n_places), with_room(places, n_places)
                     row = owners[n_places]
                     row[0], row[1], row[2] = min(one, beyond), max(one, min(other, beyond)), max(other, beyond)
-                    row[3], row[4] = facet, min(place - least, largest - place) > near
+                    row[3], row[4] = first + facet, min(place - least, largest - place) > near
                     spot = _along(origin, way, place)
                     places[n_places, 0], places[n_places, 1], places[n_places, 2] = spot
                     n_places += _is_new_place(owners, places, first_place, n_places, same)

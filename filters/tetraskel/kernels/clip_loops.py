@@ -145,8 +145,8 @@ def _write(found, n_found, corners, n, frame):
     return found
 
 
-def clipped(points, diagram, known, crossed, starts, wedges, generators, segments, outward, bounds, ball):
-    """See `voronoi_clip`: the parts inside of some faces.
+def clipped(points, diagram, known, crossed, segments, outward, ball, first_row, starts, wedges, generators, bounds):
+    """See `voronoi_clip`: the parts inside of some faces, whose rows begin with `first_row`.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def clipped(points, diagram, known, crossed, starts, wedges, generators, segment
                 continue
             if n_polygons == len(polygons):
                 polygons = with_room(polygons, n_polygons)
-            polygons[n_polygons, 0], polygons[n_polygons, 1] = face, k
+            polygons[n_polygons, 0], polygons[n_polygons, 1] = first_row + face, k
             n_polygons += 1
             found = _write(found, n_found, corners, k, frame)
             n_found += k

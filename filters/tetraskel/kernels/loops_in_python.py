@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.background import wait_for
-from tetraskel.kernels.chunks import Tick, for_chunks, silent
+from tetraskel.kernels.chunks import CHUNK, Tick, for_chunks, silent
 from tetraskel.kernels.compilation import compiled, numba_is_used
 
 
@@ -70,7 +70,7 @@ def run_compiled(
     """
     if not numba_is_used():
         return False
-    loop = _loop("tetrahedron_loops", name)
+    loop = _loop(f"tetrahedron_loops.{name}")
 
     def work(piece: slice) -> None:
         loop(*constants, *(values[piece] for values in inputs), *(values[piece] for values in outputs))
@@ -81,16 +81,38 @@ def run_compiled(
     return True
 
 
-def call_compiled(name: str, arguments: Sequence[Any], tick: Tick, expected_seconds: float) -> Any:
+def call_compiled(name: str, arguments: Sequence[Any], tick: Tick = silent, expected_seconds: float = 1.0) -> Any:
     """The result of a loop, "module.function", of these arguments; None without numba. `tick` as in `run_loop`."""
     if not numba_is_used():
         return None
+    return wait_for(lambda: _loop(name)(*map(_contiguous, arguments)), tick, expected_seconds)
+
+
+def gather_compiled(
+    name: str, arguments_of: Callable[[slice], Sequence[Any]], n: int, tick: Tick = silent, chunk: int = CHUNK
+) -> tuple[NDArray, ...]:
+    """The arrays that a loop, "module.function", makes of each piece of range(n), joined in order; with numba only.
+
+    Parameters
+    ----------
+    arguments_of : callable
+        Of a piece, which may be empty.
+    tick : callable
+        Told the share of work done; may raise `Aborted`.
+    """
+    loop, found = _loop(name), {}
+
+    def work(piece: slice) -> None:
+        found[piece.start] = loop(*map(_contiguous, arguments_of(piece)))
+
+    wait_for(lambda: work(slice(0, 0)), tick, 1.0)  # compiles
+    for_chunks(work, n, tick, chunk)
+    return tuple(np.concatenate(column) for column in zip(*(found[start] for start in sorted(found)), strict=True))
+
+
+def _loop(name: str) -> Any:
     module, function = name.split(".")
-    return wait_for(lambda: _loop(module, function)(*map(_contiguous, arguments)), tick, expected_seconds)
-
-
-def _loop(module: str, name: str) -> Any:
-    return _compiled(getattr(importlib.import_module(f"tetraskel.kernels.{module}"), name))
+    return _compiled(getattr(importlib.import_module(f"tetraskel.kernels.{module}"), function))
 
 
 @cache

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.chunks import for_chunks, silent
 from tetraskel.kernels.compilation import numba_is_used
-from tetraskel.kernels.loops_in_python import call_compiled
+from tetraskel.kernels.loops_in_python import gather_compiled
 from tetraskel.kernels.polygon_slabs import (
     BOTTOM,
     ENTER,
@@ -82,21 +81,15 @@ def _clip_compiled(
     x = diagram.coordinates
     ball = np.append((x.max(axis=0) + x.min(axis=0)) / 2, BALL * diagram.size)
     shown = (diagram.positions, diagram.ends, diagram.neighbors, diagram.edge_of_first_half)
-    pieces: dict[int, tuple[NDArray, ...]] = {}
+    given = (x, shown, (inside, plain), crossed, segments, outward, ball)
+    generators = faces.generators
 
-    def work(piece: slice) -> None:
-        some = slice(faces.starts[piece.start], faces.starts[piece.stop])
-        starts = faces.starts[piece.start : piece.stop + 1] - faces.starts[piece.start]
-        given = (x, shown, (inside, plain), crossed, starts, faces.wedges[some], faces.generators[piece])
-        found = call_compiled("clip_loops.clipped", (*given, segments, outward, bounds[piece], ball), silent, 1.0)
-        found[0][:, 0] += piece.start
-        pieces[piece.start] = found
+    def arguments_of(piece: slice) -> tuple:
+        starts = faces.starts[piece.start : piece.stop + 1]
+        wedges = faces.wedges[starts[0] : starts[-1]]
+        return (*given, piece.start, starts - starts[0], wedges, generators[piece], bounds[piece])
 
-    work(slice(0, 0))  # compiles
-    for_chunks(work, len(faces.keys), chunk=FACES)
-    polygons, corners, unsure = (
-        np.concatenate(column) for column in zip(*map(pieces.get, sorted(pieces)), strict=True)
-    )
+    polygons, corners, unsure = gather_compiled("clip_loops.clipped", arguments_of, len(faces.keys), chunk=FACES)
     return polygons, corners, unsure
 
 

@@ -13,7 +13,7 @@ from tetraskel.kernels.boundary_division import Met, on_edges, on_edges_compiled
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, outward_normals
-from tetraskel.kernels.voronoi_lines import Neighbours, edge_keys_of, found_in, split_keys, unique_edges
+from tetraskel.kernels.voronoi_lines import Neighbours, edge_keys_of, found_in, grid_keys, split_keys, unique_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -75,16 +75,18 @@ def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
     cells, opposite = _boundary(diagram)
     facets = _corners(diagram.simplices, cells, opposite)
     outward = outward_normals(diagram.coordinates, diagram.simplices, cells, opposite)
-    mesh = diagram.coordinates, diagram.simplices
-    if diagram.dim == 3 and diagram.stars is not None:
-        return _sorted(diagram, *on_triangles_compiled(mesh, diagram.stars, SAME * diagram.size, facets, outward, tick))
+    if diagram.stars is not None:
+        found = call_compiled("voronoi_loops.neighbours", (diagram.simplices, *diagram.stars), tick)
+        around = (diagram.coordinates, *found)
+        if diagram.dim == 3:
+            return _sorted(diagram, *on_triangles_compiled(around, SAME * diagram.size, facets, outward, tick))
     keys = unique_edges(facets) if len(facets) else np.empty(0, np.int64)
     if diagram.stars is not None:
-        lines, pairs, places = on_edges_compiled(mesh, diagram.stars, keys)
+        lines, pairs, places = on_edges_compiled(around, keys)
     else:
         asked = np.zeros(len(diagram.coordinates), bool)
         asked[facets] = True
-        neighbours = Neighbours(*mesh, asked)
+        neighbours = Neighbours(diagram.coordinates, diagram.simplices, asked)
         lines, pairs, places = on_edges(neighbours, keys, tick)
     low, high = split_keys(keys[lines])
     start, stop = diagram.coordinates[low], diagram.coordinates[high]
@@ -142,20 +144,12 @@ def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
     if len(touched) == 0:
         return np.zeros(len(diagram.positions), bool)
     step = AT_END * diagram.size
-    return found_in(_grid_keys(diagram.positions, step), _grid_keys(touched, step))
-
-
-def _grid_keys(positions: Floats, step: float) -> NDArray[np.uint64]:
-    """A random-looking number for each position, rounded."""
-    keys = np.zeros(len(positions), np.uint64)
-    for column in np.clip(np.rint(positions / step), -(2.0**62), 2.0**62).astype(np.int64).view(np.uint64).T:
-        keys = scramble(keys + column)
-    return keys
+    return found_in(grid_keys(diagram.positions, step), grid_keys(touched, step))
 
 
 def _ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
     """Order by edge, then place, then direction."""
-    found = call_compiled("voronoi_loops.ranked", (edges, places, entering, n_edges), silent, 1.0)
+    found = call_compiled("voronoi_loops.ranked", (edges, places, entering, n_edges))
     return np.asarray(np.lexsort([entering, places, edges]) if found is None else found)
 
 
@@ -166,7 +160,7 @@ def _edges_of(diagram: VoronoiDiagram, generators: Ints) -> Ints:
     """
     if diagram.dim == 3 and diagram.stars is not None:
         arguments = (generators, diagram.simplices, *diagram.stars)
-        halves = call_compiled("voronoi_loops.facets_between", arguments, silent, 1.0)
+        halves = call_compiled("voronoi_loops.facets_between", arguments)
         found = np.full(len(halves), -1, np.int64)
         rows = np.flatnonzero(halves >= 0)
         found[rows] = diagram.edges_of_halves(halves[rows])

@@ -91,7 +91,7 @@ class VoronoiDiagram:
     def stars(self) -> tuple[Ints, Ints] | None:
         """Where the simplices around each generator begin, and these; None without numba."""
         arguments = (self.simplices, len(self.coordinates))
-        found = call_compiled("voronoi_loops.stars", arguments, silent, 1.0)
+        found = call_compiled("voronoi_loops.stars", arguments)
         return None if found is None else (found[0], found[1])
 
     @cached_property

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.chunks import for_chunks, silent
+from tetraskel.kernels.chunks import for_chunks
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import split_keys
@@ -110,7 +110,7 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     """
     if diagram.stars is not None:
         arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted)
-        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments, silent, 1.0))
+        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments))
     edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
     wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
     in_one = 2 * edge_bits + wedge_bits <= MOST_BITS
@@ -173,7 +173,7 @@ def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces,
     misled : (q,) bool
         It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
-    found = call_compiled("voronoi_loops.follow", (diagram.neighbors, faces.starts, faces.wedges), silent, 1.0)
+    found = call_compiled("voronoi_loops.follow", (diagram.neighbors, faces.starts, faces.wedges))
     if found is not None:
         return VoronoiFaces(faces.keys, faces.starts, found[0]), found[1], found[2]
     counts = faces.counts

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
 
@@ -138,6 +139,15 @@ def _once(values: Ints) -> Ints:
     first = np.ones(len(ranked), bool)
     first[1:] = ranked[1:] != ranked[:-1]
     return ranked[first]
+
+
+def grid_keys(positions: Floats, step: float) -> NDArray[np.uint64]:
+    """A random-looking number for each position, rounded to a grid."""
+    keys = np.zeros(len(positions), np.uint64)
+    places = np.clip(np.rint(positions / step), -(2.0**62), 2.0**62)  # flat simplices have centres that far away
+    for column in places.astype(np.int64).view(np.uint64).T:
+        keys = scramble(keys + column)
+    return keys
 
 
 def found_in(values: NDArray, among: NDArray) -> Bools:

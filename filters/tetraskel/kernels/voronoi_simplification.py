@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.chunks import silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_elements import Elements, separations
 from tetraskel.kernels.voronoi_faces import EDGES, WEDGE_BITS
-from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, grid_keys, split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -70,13 +68,8 @@ def merged(given: Elements, step: float) -> Elements:
     """Points at one place as one, the first; lines and polygons that shrink to nothing are left out."""
     if len(given.points) == 0 or step == 0:
         return given
-    places = np.rint((given.points - given.points.min(axis=0)) / step)
-    grid = np.clip(places, 0.0, 2.0**62).astype(np.int64).view(np.uint64)  # flat simplices have centres that far away
-    names = scramble(grid[:, 0])
-    for column in grid.T[1:]:
-        names = scramble(names + column)
-    stands_for = _first_of_each(names)
-    is_first = stands_for == np.arange(len(names))
+    stands_for = _first_of_each(grid_keys(given.points - given.points.min(axis=0), step))
+    is_first = stands_for == np.arange(len(stands_for))
     if is_first.all():
         return given
     first, number = np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[stands_for]
@@ -103,7 +96,7 @@ def _first_of_each(names: NDArray[np.uint64]) -> Ints:
 
     Strategy: to sort names is several times faster than to find their order, which is done for those that come twice.
     """
-    found = call_compiled("voronoi_loops.first_of_each", (names,), silent, 1.0)
+    found = call_compiled("voronoi_loops.first_of_each", (names,))
     if found is not None:
         return np.asarray(found)
     result = np.arange(len(names))
