@@ -45,6 +45,18 @@ def torus(rng, n):
     return points.astype(np.float32).astype(float)
 
 
+def box_shell(rng, n):
+    """The surface of a box on a lattice: all gates have one of two widths."""
+    side = round((n / 6) ** 0.5)
+    grid = np.stack(np.meshgrid(*[np.arange(side + 1.0)] * 3), -1).reshape(-1, 3)
+    return rng.permutation(grid[((grid == 0) | (grid == side)).any(axis=1)])
+
+
+def noisy(rng, n):
+    """A torus with scatter."""
+    return torus(rng, n) + rng.normal(0, 0.03, (n, 3))
+
+
 CLOUDS = (uniform, clustered, lattice, turned_lattice, sphere, cylinder, torus)
 
 

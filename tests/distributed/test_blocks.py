@@ -15,7 +15,7 @@ import warnings
 import numpy as np
 import pytest
 
-from dealt import clustered, lattice, sphere, torus, uniform
+from dealt import box_shell, clustered, lattice, noisy, sphere, torus, uniform
 from paths import ENVIRONMENT
 from tetraskel import InsideWarning, assemble_skeleton, build_tree, interior, remove_flat, triangulate
 from tetraskel.distributed import in_turn
@@ -72,18 +72,6 @@ def assert_serial(found, mesh, options, inside=None):
     assert found.facts["FlatRemoved"] == len(tree) - len(kept)
     assert found.facts["Leaves"] == int(kept.is_leaf.sum())
     assert found.facts.get("InsideCells") == (None if inside is None else len(tree))
-
-
-def box_shell(rng, n):
-    """The surface of a box on a lattice: all gates have one of two widths."""
-    side = round((n / 6) ** 0.5)
-    grid = np.stack(np.meshgrid(*[np.arange(side + 1.0)] * 3), -1).reshape(-1, 3)
-    return rng.permutation(grid[((grid == 0) | (grid == side)).any(axis=1)])
-
-
-def noisy(rng, n):
-    """A torus with scatter."""
-    return torus(rng, n) + rng.normal(0, 0.03, (n, 3))
 
 
 INSIDES = {torus: (1500, {}), box_shell: (400, {}), noisy: (500, {"noise": 2.0, "ratio": 1.5}), uniform: (300, {}),

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dealt import dealt, lattice, torus, uniform
+from dealt import box_shell, dealt, lattice, noisy, torus, uniform
 from shapes import SOLIDS
 from tetraskel import InputError, InsideWarning, gate_arrays, gate_tree, interior, triangulate
 from tetraskel.distributed.in_process import run_on_ranks
@@ -35,18 +35,6 @@ def sampled(name):
 
     cloud.__name__ = name
     return cloud
-
-
-def box_shell(rng, n):
-    """The surface of a box on a lattice: all gates have one of two widths."""
-    side = round((n / 6) ** 0.5)
-    grid = np.stack(np.meshgrid(*[np.arange(side + 1.0)] * 3), -1).reshape(-1, 3)
-    return rng.permutation(grid[((grid == 0) | (grid == side)).any(axis=1)])
-
-
-def noisy(rng, n):
-    """A torus with scatter."""
-    return torus(rng, n) + rng.normal(0, 0.03, (n, 3))
 
 
 CLOUDS = {torus: 400, sampled("two_balls"): 350, sampled("bottle"): 400, box_shell: 400, uniform: 400, lattice: 216,
