@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
+from run import cloud
 
 from tetraskel import build_tree, curve_model, draw_curve, remove_flat, triangulate
 
@@ -29,16 +29,9 @@ def told(name: str, stage: Callable):
     return result
 
 
-def torus(n: int) -> np.ndarray:
-    around, across = np.random.default_rng(0).random((2, n)) * 2 * np.pi
-    radius = 0.6 + 0.1 * np.sin(3 * around) + 0.05 * np.cos(2 * across)
-    out = 2 + radius * np.cos(across)
-    return np.stack([out * np.cos(around), out * np.sin(around), radius * np.sin(across)], axis=1)
-
-
 def main(n: int, tree_only: bool) -> None:
-    triangulate(torus(100))  # compiled before it is timed
-    points = told("points", lambda: torus(n))
+    triangulate(cloud("surface", 100))  # compiled before it is timed
+    points = told("points", lambda: cloud("surface", n))
     mesh = told("triangulation", lambda: triangulate(points))
     if tree_only:
         tree = told("tree", lambda: build_tree(mesh))
