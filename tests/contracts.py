@@ -231,6 +231,11 @@ def probe_voronoi(points: NDArray, rng: Rng) -> None:
         )
         assert np.isfinite(found.points).all()
         assert np.isfinite(found.radius).all()
+        if method != "sk4" and len(found):
+            low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+            room = 1e-6 * np.linalg.norm(high - low)
+            assert (found.points >= low - room).all()
+            assert (found.points <= high + room).all()
         assert ((found.angle >= 0) & (found.angle <= 180 + 1e-9)).all()
         assert len(found.separation) == len(found.vertices) + len(found.lines) + found.n_polygons
         ids = np.concatenate([found.vertices, found.lines.ravel(), found.connectivity])

@@ -157,6 +157,18 @@ class TestThinning:
         assert (thin.indices[:, 1:] == 3).all()
         assert len(thin.lines) == len(thin) - 1
 
+    @pytest.mark.parametrize("sides", [(2, 2, 2), (4, 4, 4), (2, 2, 3)])
+    def test_no_piece_vanishes(self, sides: tuple[int, int, int]) -> None:
+        """Found by fuzzing: scikit-image takes away blocks of an even size as a whole."""
+        pytest.importorskip("skimage")
+        mask = np.zeros((20, 9, 9), bool)
+        mask[tuple(slice(1, 1 + side) for side in sides)] = True
+        mask[8:19, 2:7, 2:7] = True
+        thin = raster_skeleton(mask, method="thinning")
+        assert (thin.indices[:, 0] < 6).sum() == 1
+        assert (thin.indices[:, 0] >= 8).sum() > 1
+        assert mask[tuple(thin.indices.T)].all()
+
     def test_without_scikit_image_one_sentence(self, monkeypatch) -> None:
         found = builtins.__import__
 

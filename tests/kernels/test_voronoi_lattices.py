@@ -69,8 +69,10 @@ def test_needles_of_close_samples_are_on_their_side() -> None:
         assert np.allclose(voronoi_skeleton(mesh, method=method).points, 0, atol=1e-6)
 
 
-def test_centres_may_be_farther_away_than_an_integer_counts() -> None:
+def test_centres_farther_away_than_an_integer_counts_are_outside() -> None:
     """Points that nearly lie on a line, found by fuzzing: the centre of a flat triangle is 1e15 away."""
     mesh = triangulate(Nasty(family="sheet", dim=2, n=21, seed=42022, spoilers=(), layout="as it is").array())
+    low, high = mesh.points.min(axis=0) - 1e-9, mesh.points.max(axis=0) + 1e-9
     for method in ("sk1", "sk2", "sk3"):
-        assert np.isfinite(voronoi_skeleton(mesh, method=method).points).all()
+        points = voronoi_skeleton(mesh, method=method).points
+        assert ((points >= low) & (points <= high)).all()

@@ -32,7 +32,17 @@ def vertices_inside(diagram: VoronoiDiagram, crossings: Crossings) -> Bools:
     inside[: len(piece)] = votes[piece] > 0
     inside[: len(piece)][diagram.centred & diagram.inside] = True
     inside[: len(piece)][crossings.touching[: len(piece)]] = True
+    inside[inside] = _near_the_points(diagram, diagram.positions[inside])
     return inside
+
+
+def _near_the_points(diagram: VoronoiDiagram, spots: Floats) -> Bools:
+    """(k,) places in the box of the generators, up to rounding: flat simplices have centres anywhere."""
+    if len(spots) == 0:
+        return np.empty(0, bool)
+    room = AT_END * diagram.size
+    low, high = diagram.coordinates.min(axis=0) - room, diagram.coordinates.max(axis=0) + room
+    return np.logical_and.reduce(list(((spots >= low) & (spots <= high)).T))
 
 
 def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
