@@ -33,7 +33,7 @@ docs: .venv/docs-ready
 
 # for hours: EXAMPLES and SECONDS of each of its tests
 fuzz: $(READY)
-	FUZZ_EXAMPLES=$(or $(EXAMPLES),1000000) FUZZ_SECONDS=$(or $(SECONDS),3600) \
+	FUZZ_EXAMPLES=$(or $(EXAMPLES),100000) FUZZ_SECONDS=$(or $(SECONDS),3600) \
 	    $(BIN)/python -m pytest -s tests/test_fuzz.py
 
 check: format-check lint types test

@@ -222,7 +222,8 @@ def check_surface(skeleton) -> None:
 
 
 def probe_voronoi(points: NDArray, rng: Rng) -> None:
-    mesh = random_mesh(points, rng)
+    is_delaunay = rng.random() < 0.5  # joggled points moved back may not be
+    mesh = tetraskel.triangulate(points) if is_delaunay else random_mesh(points, rng)
     labels = labels_of(mesh, rng)
     angle, separation = float(rng.choice([0.0, 60.0, 180.0])), float(rng.choice([0.0, 0.1]))
     for method in VORONOI_METHODS:
@@ -231,7 +232,7 @@ def probe_voronoi(points: NDArray, rng: Rng) -> None:
         )
         assert np.isfinite(found.points).all()
         assert np.isfinite(found.radius).all()
-        if method != "sk4" and len(found):
+        if is_delaunay and method != "sk4" and len(found):
             low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
             room = 1e-6 * np.linalg.norm(high - low)
             assert (found.points >= low - room).all()
