@@ -64,6 +64,13 @@ class CurveSkeleton(vtkfilters.CurveSkeleton):
     """Points, or a mesh with its inside, to the curve skeleton."""
 
 
+@smproxy.filter(name="PointThinning", label=label("PointThinning"), support_reload=False)
+@smhint.xml(hints_xml(vtkfilters.PointThinning))
+@smproperty.xml(panel_xml(vtkfilters.PointThinning))
+class PointThinning(vtkfilters.PointThinning):
+    """Points of a surface to fewer of them."""
+
+
 @smproxy.filter(name="DelaunayMesh", label=label("DelaunayMesh"), support_reload=False)
 @smhint.xml(hints_xml(vtkfilters.DelaunayMesh))
 @smproperty.xml(panel_xml(vtkfilters.DelaunayMesh))

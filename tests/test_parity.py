@@ -66,6 +66,10 @@ def kernel_interior(points):
     return centres_of(tetraskel.submesh(*inner(points, ratio=1.5)))
 
 
+def kernel_thinned(points):
+    return points[tetraskel.thinned(points, most_points=700, samples_per_radius=5.0).ids]
+
+
 def kernel_tree(points):
     tree = tetraskel.build_tree(tetraskel.triangulate(points), traversal="depth")
     return tetraskel.assemble_skeleton(tree, centre="incentre", keep_leaves=True).points
@@ -99,6 +103,12 @@ CASES = {
         "skeleton --detail 0.9 --root widest",
         not_in_kernel=frozenset({"root_point", "sheets"}),  # the root is a point; another function makes the sheets
         not_in_shell=frozenset({"sheets", "denoise"}),  # a file for the sheets; denoise goes by the method
+    ),
+    "PointThinning": Case(
+        (("PointThinning", {"most_points": 700, "samples_per_radius": 5.0}),),
+        ("thinned",),
+        kernel_thinned,
+        "thin --most-points 700 --samples-per-radius 5",
     ),
     "DelaunayMesh": Case(
         (("DelaunayMesh", {"joggle": 0.001}),),

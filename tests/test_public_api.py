@@ -33,6 +33,7 @@ FUNCTIONS = {
     "skeleton_surface": "skeleton, *, spacing, cells_per_radius, max_cells, dimension, tick",
     "submesh": "mesh, kept",
     "surface_error": "rebuilt, points, triangles, *, tick",
+    "thinned": "points, *, most_points, samples_per_radius, tick",
     "tree_skeleton": "points, *, engine, joggle, denoise, traversal, centre, threshold, keep_leaves, tick",
     "triangulate": "points, *, engine, joggle, denoise, tick",
     "triangulation_of": "points, simplices",
@@ -40,18 +41,19 @@ FUNCTIONS = {
 }
 RESULTS = {
     "BezierSkeleton", "BinaryTree", "CurveModel", "Denoised", "Mask", "MedialMesh", "RasterSkeleton", "RebuiltSurface",
-    "Row", "Skeleton", "Tree", "TreeSkeleton", "Triangulation", "VoronoiSkeleton",
+    "Row", "Skeleton", "Thinned", "Tree", "TreeSkeleton", "Triangulation", "VoronoiSkeleton",
 }  # fmt: skip
 ERRORS = {"Aborted", "EngineError", "InputError", "InsideWarning", "MeshError", "TetraskelError"}
 FILTERS = {
-    "BezierSkeleton", "CurveSkeleton", "DelaunayMesh", "FlatTetraRemoval", "InteriorCells", "RasterSkeleton",
-    "SkeletonFilter", "SkeletonOutput", "SkeletonSurface", "TreeBuilder", "VoronoiSkeleton",
+    "BezierSkeleton", "CurveSkeleton", "DelaunayMesh", "FlatTetraRemoval", "InteriorCells", "PointThinning",
+    "RasterSkeleton", "SkeletonFilter", "SkeletonOutput", "SkeletonSurface", "TreeBuilder", "VoronoiSkeleton",
 }  # fmt: skip
 METHODS = {
-    "bezier", "branches", "delaunay", "interior", "raster", "remove_flat", "skeleton", "surface", "tree", "voronoi",
+    "bezier", "branches", "delaunay", "interior", "raster", "remove_flat", "skeleton", "surface", "thin", "tree",
+    "voronoi",
 }  # fmt: skip
 COMMANDS = [
-    "skeleton", "tree", "voronoi", "raster", "surface", "bezier", "compare", "measure", "view", "plugin-path",
+    "skeleton", "tree", "voronoi", "raster", "thin", "surface", "bezier", "compare", "measure", "view", "plugin-path",
     "completion",
 ]  # fmt: skip
 

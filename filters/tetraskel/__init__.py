@@ -21,6 +21,7 @@ from tetraskel.kernels.raster_skeleton import RasterSkeleton, morphological_reve
 from tetraskel.kernels.skeleton import TreeSkeleton, assemble_skeleton
 from tetraskel.kernels.skeleton_surface import RebuiltSurface, skeleton_surface
 from tetraskel.kernels.surface_error import surface_error
+from tetraskel.kernels.thinning import Thinned, thinned
 from tetraskel.kernels.tree import Tree, build_tree
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton
@@ -46,6 +47,7 @@ __all__ = [
     "Row",
     "Skeleton",
     "TetraskelError",
+    "Thinned",
     "Tree",
     "TreeSkeleton",
     "Triangulation",
@@ -73,6 +75,7 @@ __all__ = [
     "skeleton_surface",
     "submesh",
     "surface_error",
+    "thinned",
     "tree_skeleton",
     "triangulate",
     "triangulation_of",

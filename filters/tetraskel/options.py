@@ -207,6 +207,25 @@ ROOTS = ("paper", "widest", "point")
 
 
 @dataclass(frozen=True)
+class ThinningOptions(Options):
+    """Parameters of thinning."""
+
+    most_points: int = option(
+        100_000,
+        "How many points are kept at most. A cloud of no more points is passed as it is.",
+        bounds=(100, math.inf),
+        slider=(1000, 1_000_000),
+    )
+    samples_per_radius: float = option(
+        6.0,
+        "How many points lie on a stretch of the surface as long as its distance from the medial axis, inside or "
+        "outside. Fewer where the cloud has no more, or where no more may be kept.",
+        bounds=(1.0, 100.0),
+        slider=(3.0, 20.0),
+    )
+
+
+@dataclass(frozen=True)
 class CurveOptions(Options):
     """Parameters of the curve skeleton."""
 

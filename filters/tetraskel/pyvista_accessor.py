@@ -24,6 +24,7 @@ from tetraskel.vtkfilters import (
     DelaunayMesh,
     FlatTetraRemoval,
     InteriorCells,
+    PointThinning,
     RasterSkeleton,
     SkeletonFilter,
     SkeletonOutput,
@@ -128,6 +129,7 @@ class TetraskelAccessor:
     raster = _method(RasterSkeleton)
     bezier = _method(BezierSkeleton)
     surface = _method(SkeletonSurface)
+    thin = _method(PointThinning)
 
 
 for _name, _made in vars(TetraskelAccessor).items():

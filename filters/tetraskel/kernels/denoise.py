@@ -197,6 +197,7 @@ def _refitted(cloud: Cloud, places: Floats, k: int, reach: float, tick: Tick) ->
     def work(piece: slice) -> None:
         away, near = cloud.query(places[piece], k)
         extent = np.clip(reach, away[:, min(k, FEWEST) - 1], away[:, -1]) * (1 + 1e-3)
+        extent[extent == 0] = 1.0  # all in one place: it stays there
         weights = np.maximum(1 - (away / extent[:, None]) ** 2, 0) ** 2
         moved[piece] = _fit(cloud.points[near], weights, places[piece], extent).places
 

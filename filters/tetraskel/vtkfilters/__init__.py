@@ -6,6 +6,7 @@ from tetraskel.vtkfilters.curve_skeleton import CurveSkeleton
 from tetraskel.vtkfilters.delaunay_mesh import DelaunayMesh
 from tetraskel.vtkfilters.flat_tetra_removal import FlatTetraRemoval
 from tetraskel.vtkfilters.interior_cells import InteriorCells
+from tetraskel.vtkfilters.point_thinning import PointThinning
 from tetraskel.vtkfilters.raster_skeleton import RasterSkeleton
 from tetraskel.vtkfilters.skeleton_output import SkeletonOutput
 from tetraskel.vtkfilters.skeleton_surface import SkeletonSurface
@@ -18,6 +19,7 @@ __all__ = [
     "DelaunayMesh",
     "FlatTetraRemoval",
     "InteriorCells",
+    "PointThinning",
     "RasterSkeleton",
     "SkeletonFilter",
     "SkeletonOutput",

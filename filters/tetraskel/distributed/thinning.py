@@ -1,0 +1,81 @@
+"""Thinning of points that are spread over ranks: the serial result, whatever rank has which points.
+
+Each rank looks at its own points and finds the best one in each leaf of the octree. The best of all ranks are found
+where the name of the leaf says; the first rank, which gets these and nothing else, decides which leaves are divided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tetraskel.distributed.communicator import Communicator, Route
+from tetraskel.kernels.adjacency import scramble
+from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.octree import Octree
+from tetraskel.kernels.thinning import (
+    Sample,
+    Thinned,
+    box_of,
+    checked,
+    divided_enough,
+    joined,
+    leaves_to_divide,
+    no_sample,
+    octree_around,
+    sample_of_all,
+)
+from tetraskel.options import ThinningOptions
+
+Ints = NDArray[np.int64]
+
+
+def thinned_on_ranks(
+    comm: Communicator, points: NDArray, ids: Ints, options: ThinningOptions, tick: Tick = silent
+) -> Thinned:
+    """Which points of all ranks to keep; every rank gets all ids.
+
+    Parameters
+    ----------
+    points : (k, d) float
+        Of this rank.
+    ids : (k,) int
+        Of these among all ranks. A point may be on several ranks, with one id.
+
+    Raises
+    ------
+    InputError
+        As `thinned` does.
+    """
+    given = checked(points)
+    n_points = comm.total(len(given))
+    if n_points <= options.most_points:
+        everything = np.unique(np.concatenate(comm.allgather(ids)))
+        return Thinned(everything, np.zeros(len(everything)), 0)
+    low, high = box_of(given)
+    first = octree_around(comm.lowest(low), comm.highest(high), options.most_points)
+    found = divided_enough(
+        first,
+        lambda octree: _sample_of_ranks(comm, sample_of_all(given, ids, octree), octree),
+        lambda sample, octree, told: _told_by_first(comm, sample, octree, options, told),
+        tick,
+    )
+    kept, spacing = comm.from_first(found.ids), comm.from_first(found.spacing)
+    return Thinned(kept, spacing, found.n_coarse)
+
+
+def _sample_of_ranks(comm: Communicator, own: Sample, octree: Octree) -> Sample:
+    """One point of each leaf, of all ranks, on the first."""
+    route = Route(comm, (scramble(own.leaf.view(np.uint64)) % np.uint64(comm.size)).astype(np.int64))
+    met = joined([Sample(*(route.forward(getattr(own, field.name)) for field in fields(Sample)))], octree)
+    gathered = Sample(*(comm.gather(getattr(met, field.name)) for field in fields(Sample)))
+    return joined([gathered], octree) if comm.rank == 0 else no_sample(octree.dim)
+
+
+def _told_by_first(
+    comm: Communicator, sample: Sample, octree: Octree, options: ThinningOptions, tick: Tick
+) -> tuple[Ints, int]:
+    leaves, n_coarse = leaves_to_divide(sample, octree, options, tick) if comm.rank == 0 else (sample.leaf, 0)
+    return comm.from_first(leaves), int(comm.from_first(np.array([n_coarse]))[0])
