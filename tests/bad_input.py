@@ -137,6 +137,7 @@ ROWS = {
             "to draw the tree."
         },
     ),
+    "thinning: NaN": Bad(lambda: tetraskel.thinned(OFF), lambda: cloud(OFF), "PointThinning", command="thin"),
     "curve: root": Bad(lambda: tetraskel.draw_curve(square_model(), root=[0.0]), why=NO_OTHERS),
     "voronoi: nothing inside": nothing_inside(tetraskel.voronoi_skeleton, "VoronoiSkeleton", "voronoi --inside all"),
     "raster: nothing inside": nothing_inside(tetraskel.rasterise, "RasterSkeleton", "raster --inside all"),

@@ -268,6 +268,23 @@ def probe_denoised(points: NDArray, rng: Rng) -> None:
     assert np.isfinite(found.noise)
 
 
+def probe_thinned(points: NDArray, rng: Rng) -> None:
+    most = int(rng.choice([100, 150]))
+    found = tetraskel.thinned(points, most_points=most, samples_per_radius=float(rng.choice([1.0, 6.0])))
+    assert len(found) <= most
+    assert (len(found) > 0) == (len(points) > 0)
+    assert (np.diff(found.ids) > 0).all()
+    away = np.linalg.norm(np.asarray(points, float)[:, None] - np.asarray(points, float)[None, found.ids], axis=2)
+    size = away.max(initial=0)
+    room = np.sqrt(points.shape[1]) * found.spacing * (1 + 1e-9) + 1e-9 * size
+    assert (away <= room).any(axis=1).all()
+    order = rng.permutation(len(points))
+    again = tetraskel.thinned(points[order], most_points=most, samples_per_radius=6.0)
+    other = tetraskel.thinned(points, most_points=most, samples_per_radius=6.0)
+    places = [np.asarray(points, float)[ids] for ids in (order[again.ids], other.ids)]
+    assert np.array_equal(*(np.sort(one.view([("", float)] * points.shape[1]), axis=0) for one in places))
+
+
 def probe_outline(points: NDArray, rng: Rng) -> None:
     mesh = random_mesh(points, rng)
     if mesh.dim == 2 and rng.random() < 0.7:

@@ -24,6 +24,7 @@ from tetraskel.vtkfilters import (
     DelaunayMesh,
     FlatTetraRemoval,
     InteriorCells,
+    PointThinning,
     RasterSkeleton,
     SkeletonOutput,
     SkeletonSurface,
@@ -154,7 +155,8 @@ def chains(rng: Rng) -> list:
     flat = FlatTetraRemoval(threshold=float(rng.choice([0.0, 0.01, 1.0])))
     ends = [[tree, flat, SkeletonOutput()], [curve], [curve, BezierSkeleton()], [curve, surface], [voronoi], [raster]]
     end = ends[rng.integers(len(ends))]
-    begins = [[mesh], [mesh], [mesh, inside], [inside]]
+    thin = PointThinning(most_points=int(rng.choice([100, 1000])))
+    begins = [[mesh], [mesh], [mesh, inside], [inside], [thin, mesh]]
     alone = [[getattr(vtkfilters, name)()] for name in vtkfilters.__all__ if name != "SkeletonFilter"]
     if rng.random() < 0.3:
         return alone[rng.integers(len(alone))]
@@ -228,6 +230,7 @@ COMMANDS = {
             ["--resolution", "4", "--inside", "all"],
         ),
     ),
+    "thin": ((".vtp", ".vtk", ".csv"), ([], ["--most-points", "100"])),
     "surface": ((".vtp", ".ply", ".obj", ".stl"), (["--max-cells", "1000"],)),
     "bezier": ((".vtp", ".swc"), (["--tolerance", "0.5"],)),
     "compare": (("",), (["--methods", "tree", "--resolution", "4", "--inside", "all"],)),

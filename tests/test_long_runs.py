@@ -68,6 +68,7 @@ def stages(points):
     return {
         "triangulate": lambda tick: tetraskel.triangulate(points, tick=tick),
         "denoised": lambda tick: tetraskel.denoised(noisy, tick),
+        "thinned": lambda tick: tetraskel.thinned(points, most_points=len(points) // 3, tick=tick),
         "build_tree": lambda tick: tetraskel.build_tree(mesh, tick=tick),
         "remove_flat": lambda tick: tetraskel.remove_flat(tree, tick=tick),
         "gate_tree": lambda tick: tetraskel.gate_tree(mesh, tick=tick),

@@ -20,6 +20,7 @@ CALLS = [
     ["tree"],
     ["voronoi"],
     ["raster"],
+    ["thin"],
     ["compare"],
 ]
 

@@ -50,15 +50,17 @@ def thinned_on_ranks(
         As `thinned` does.
     """
     given = checked(points)
-    n_points = comm.total(len(given))
-    if n_points <= options.most_points:
-        everything = np.unique(np.concatenate(comm.allgather(ids)))
+    once = _first_with_each(comm, ids)
+    if not once.all():
+        given, ids = given[once], ids[once]
+    if comm.total(len(given)) <= options.most_points:
+        everything = np.sort(np.concatenate(comm.allgather(ids)))
         return Thinned(everything, np.zeros(len(everything)), 0)
     low, high = box_of(given)
     first = octree_around(comm.lowest(low), comm.highest(high), options.most_points)
     found = divided_enough(
         first,
-        lambda octree: _sample_of_ranks(comm, sample_of_all(given, ids, octree), octree),
+        lambda octree, told: _sample_of_ranks(comm, sample_of_all(given, ids, octree, told), octree),
         lambda sample, octree, told: _told_by_first(comm, sample, octree, options, told),
         tick,
     )
@@ -66,9 +68,23 @@ def thinned_on_ranks(
     return Thinned(kept, spacing, found.n_coarse)
 
 
+def _first_with_each(comm: Communicator, ids: Ints) -> NDArray[np.bool_]:
+    """(k,) whether no rank before this one has a point with this id, and this one none before it."""
+    route = Route(comm, _home(comm, ids))
+    met = route.forward(ids)  # in the order of the ranks
+    first = np.zeros(len(met), bool)
+    first[np.unique(met, return_index=True)[1]] = True
+    return route.back(first)
+
+
+def _home(comm: Communicator, names: Ints) -> Ints:
+    """(k,) the rank where all that have a name meet."""
+    return np.asarray(scramble(names.astype(np.uint64)) % np.uint64(comm.size)).astype(np.int64)
+
+
 def _sample_of_ranks(comm: Communicator, own: Sample, octree: Octree) -> Sample:
     """One point of each leaf, of all ranks, on the first."""
-    route = Route(comm, (scramble(own.leaf.view(np.uint64)) % np.uint64(comm.size)).astype(np.int64))
+    route = Route(comm, _home(comm, own.leaf))
     met = joined([Sample(*(route.forward(getattr(own, field.name)) for field in fields(Sample)))], octree)
     gathered = Sample(*(comm.gather(getattr(met, field.name)) for field in fields(Sample)))
     return joined([gathered], octree) if comm.rank == 0 else no_sample(octree.dim)

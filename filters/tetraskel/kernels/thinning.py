@@ -69,8 +69,8 @@ class Thinned:
     ids : (k,) int
         Input ids of the points that are kept, ascending.
     spacing : (k,) float
-        Side of the leaf of each; 0 when all points are kept. Every input point is within this times the square root of
-        the dimension of a kept one.
+        Side of the leaf of each, 0 where no other point is in it. Every input point is within this times the square
+        root of the dimension of a kept one.
     n_coarse : int
         Kept points whose leaf is wider than asked, because no more points may be kept, or hardly any would be gained.
     """
@@ -121,7 +121,7 @@ def thinned(
     ids = np.arange(len(given))
     return divided_enough(
         octree_around(*box_of(given), most_points),
-        lambda octree: sample_of_all(given, ids, octree),
+        lambda octree, told: sample_of_all(given, ids, octree, told),
         lambda sample, octree, told: leaves_to_divide(sample, octree, options, told),
         tick,
     )
@@ -129,7 +129,7 @@ def thinned(
 
 def divided_enough(
     octree: Octree,
-    sampled: Callable[[Octree], Sample],
+    sampled: Callable[[Octree, Tick], Sample],
     to_divide: Callable[[Sample, Octree, Tick], tuple[Ints, int]],
     tick: Tick,
 ) -> Thinned:
@@ -144,12 +144,14 @@ def divided_enough(
     """
     left = 1.0
     while True:
-        sample = sampled(octree)
-        leaves, n_coarse = to_divide(sample, octree, part(tick, 1 - left, 1 - left * LEFT))
+        look = part(tick, 1 - left, 1 - left * LEFT)
+        sample = sampled(octree, part(look, 0.0, 0.5))
+        leaves, n_coarse = to_divide(sample, octree, part(look, 0.5, 1.0))
         left *= LEFT
         if len(leaves) == 0:
             order = np.argsort(sample.ids)
-            return Thinned(sample.ids[order], octree.sides(sample.leaf[order]), n_coarse)
+            spacing = np.where(sample.counts > 1, octree.sides(sample.leaf), 0.0)
+            return Thinned(sample.ids[order], spacing[order], n_coarse)
         octree = octree.with_divided(leaves)
 
 
@@ -162,7 +164,7 @@ def checked(points: ArrayLike) -> NDArray:
         As `finite_points` does.
     """
     given = points if isinstance(points, np.ndarray) and not np.ma.is_masked(points) else finite_points(points)
-    finite_points(given[:1])  # of another shape or type
+    finite_points(given[:0])  # of another shape or type
     if given.ndim != 2:
         return finite_points(given)
     bad = sum(count_bad(np.asarray(given[k : k + PIECE], float)) for k in range(0, len(given), PIECE))
@@ -188,10 +190,11 @@ def octree_around(low: Floats, high: Floats, most_points: int) -> Octree:
     return Octree(low, float((high - low).max()) or 1.0, base)
 
 
-def sample_of_all(points: NDArray, ids: Ints, octree: Octree) -> Sample:
+def sample_of_all(points: NDArray, ids: Ints, octree: Octree, tick: Tick = silent) -> Sample:
     """One point of each leaf, from (n, d) points that are read a piece at a time."""
     sample = no_sample(octree.dim)
     for start in range(0, len(points), PIECE):
+        tick(start / len(points))
         piece = slice(start, start + PIECE)
         sample = joined([sample, _sample_of(np.asarray(points[piece], float), ids[piece], octree)], octree)
     return sample

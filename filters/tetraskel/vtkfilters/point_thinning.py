@@ -20,8 +20,8 @@ class PointThinning(SkeletonFilter):
 
     Many are kept where the object or a gap in it is thin, few where it is wide. Points keep their coordinates and
     arrays; `OriginalPointIds` names the input point of each, and `Spacing` the side of the cell it stands for: every
-    point of that cell is within 1.74 times as much of it. No normals are needed, and the order of the points does
-    not matter.
+    point of that cell is within 1.74 times as much of it, and where it is 0 there is no other. No normals are needed,
+    and the order of the points does not matter.
 
     On several MPI ranks each rank keeps some of its own points, and together they are those of one rank. Put it before
     `CurveSkeleton` for objects that do not fit the first rank.
