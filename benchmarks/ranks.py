@@ -3,8 +3,10 @@
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 1000000
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 torus
     mpirun -np 4 pvbatch --sym benchmarks/ranks.py 100000 uniform
+    mpirun -np 4 pvbatch --sym benchmarks/ranks.py 1000000 curve
 
-With the name of a cloud it tells what comes to the first rank when inside is told from outside. Run it
+With the name of a cloud it tells what comes to the first rank when inside is told from outside; with `curve` points of
+a surface are thinned and the first rank draws the curve skeleton of what is left, on one rank of all points. Run it
 with `PYTHONPATH` naming `filters` and `TETRASKEL_NUMBA_PATH` a folder with numba. On one rank it measures the serial
 chain. Each rank makes its own share of the cloud. What all hold before any point is measured after a small cloud,
 which loads what is compiled.
@@ -18,15 +20,20 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from run import cloud
+
 from dealt import torus, uniform
 from tetraskel.distributed.communicator import together
 from tetraskel.distributed.interior import interior_of_part
 from tetraskel.distributed.mpi import MpiCommunicator
+from tetraskel.distributed.thinning import thinned_on_ranks
 from tetraskel.distributed.tree import build_tree_part
 from tetraskel.distributed.triangulation import triangulate_part
+from tetraskel.kernels.curve import curve_skeleton
+from tetraskel.kernels.thinning import thinned
 from tetraskel.kernels.tree import build_tree
 from tetraskel.kernels.triangulate import ready_engine, triangulate
-from tetraskel.options import InteriorOptions
+from tetraskel.options import InteriorOptions, ThinningOptions
 
 FEW = 1000
 CLOUDS = {"torus": torus, "uniform": uniform}
@@ -79,8 +86,8 @@ def report(n, size, rows, n_cells):
     print(f"  model: points dealt once at 48 bytes and named at 16: {model:.2f} MB; the rest grows like the cuts")
 
 
-def inside_on_ranks(comm, n, cloud):
-    points = CLOUDS[cloud](np.random.default_rng(0), n)[comm.rank :: comm.size].copy()
+def inside_on_ranks(comm, n, name):
+    points = CLOUDS[name](np.random.default_rng(0), n)[comm.rank :: comm.size].copy()
     part = triangulate_part(comm, points, np.arange(comm.rank, n, comm.size)).part
     before, peak, calls, started = comm.received_bytes, megabytes(), comm.exchanges, time.perf_counter()
     found = interior_of_part(comm, part, InteriorOptions())
@@ -90,7 +97,7 @@ def inside_on_ranks(comm, n, cloud):
     rows = np.concatenate(comm.allgather(np.array([told], float)))
     if comm.rank == 0:
         cells, cuts, known = rows[:, 1:4].sum(axis=0)
-        print(f"{comm.size} ranks: {n} points ({cloud}), {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
+        print(f"{comm.size} ranks: {n} points ({name}), {cells:.0f} cells, {rows[:, 6].sum() / cells:.0%} inside")
         print(f"  {found.messages}, {seconds:.1f} s, {calls} calls, {cuts:.0f} half facets on cuts")
         print(f"  the first rank received {rows[0, 0]:.2f} MB, the others at most {rows[1:, 0].max():.2f} MB")
         others = 32 * (known - rows[0, 3]) + 16 * (cells - rows[0, 1])
@@ -98,15 +105,40 @@ def inside_on_ranks(comm, n, cloud):
         print(f"  peaks before and after, of the largest rank: {rows[:, 4].max():.0f} MB, {rows[:, 5].max():.0f} MB")
 
 
+def curve(comm, n):
+    """The curve skeleton of all points on one rank, of a twentieth of them on many."""
+    few, options = cloud("surface", FEW), ThinningOptions(most_points=max(n // 20, FEW))
+    curve_skeleton(few[thinned(few, most_points=FEW // 2).ids])
+    base = megabytes()
+    points = cloud("surface", n // comm.size, comm.rank)
+    comm.sent_bytes, started = 0, time.perf_counter()
+    if comm.size > 1:
+        ids = np.arange(len(points)) * comm.size + comm.rank
+        kept = np.isin(ids, thinned_on_ranks(comm, points, ids, options).ids)
+        drawn_from = comm.gather(points[kept])
+    else:
+        drawn_from = points
+    skeleton = curve_skeleton(drawn_from) if comm.rank == 0 else None
+    told = np.array([[base, megabytes(), comm.sent_bytes / 1e6, time.perf_counter() - started]])
+    rows = np.concatenate(comm.allgather(told))
+    if comm.rank == 0:
+        print(f"{comm.size} ranks: {n} points, {len(drawn_from)} drawn from, {rows[:, 3].max():.1f} s")
+        print(f"  {skeleton.components} pieces, {skeleton.loops} loops, {len(skeleton.points)} points")
+        print(f"  beyond what each held before: {', '.join(f'{row[1] - row[0]:.0f}' for row in rows)} MB")
+        print(f"  sent: {rows[:, 2].sum():.1f} MB, {rows[:, 2].sum() * 1e6 / n:.1f} bytes a point")
+
+
 def main():
-    cloud = sys.argv[-1] if sys.argv[-1] in CLOUDS else ""
-    n = int(sys.argv[-2 if cloud else -1])
+    named = sys.argv[-1] if sys.argv[-1] in {*CLOUDS, "curve"} else ""
+    n = int(sys.argv[-2 if named else -1])
     from mpi4py import MPI
 
     comm = MpiCommunicator(MPI.COMM_WORLD)
     ready_engine("exact", 3)
-    if cloud:
-        together(comm, lambda: inside_on_ranks(comm, n, cloud))
+    if named == "curve":
+        together(comm, lambda: curve(comm, n))
+    elif named:
+        together(comm, lambda: inside_on_ranks(comm, n, named))
     elif comm.size == 1:
         serial(n)
     else:

@@ -34,8 +34,8 @@ is inside there, and the curve skeleton of a full cube has most of its work for 
 COMPILED_WITH = 300  # points of a first, untimed call
 
 
-def cloud(kind: str, n: int) -> np.ndarray:
-    rng = np.random.default_rng(0)
+def cloud(kind: str, n: int, seed: int = 0) -> np.ndarray:
+    rng = np.random.default_rng(seed)
     if kind == "uniform":
         return rng.random((n, 3))
     if kind == "lattice":

@@ -19,6 +19,7 @@ from tetraskel.kernels.surface_rays import surface_of, surface_samples
 
 RADIUS = "MaximumInscribedSphereRadius"
 N_POINTS = 20_000
+MANY, FEW = 500_000, 5000  # before and after thinning
 VIEWS = {  # from where, how near, and how many pixels
     "homer": ((0.45, 0.15, 1), 1.5, (560, 760)),
     "spot": ((-1, 0.35, -0.55), 1.5, (700, 600)),
@@ -48,10 +49,36 @@ def picture(mesh: Path, out: Path) -> None:
     plotter.close()
 
 
+def thinned_picture(mesh: Path, out: Path) -> None:
+    """What is left of very many points, coloured by their spacing, and the skeleton of it."""
+    points, triangles = read_obj(mesh)
+    surface = pv.PolyData.from_regular_faces(points, triangles)
+    source = pv.PolyData(surface_samples(surface_of(points, triangles), MANY))
+    kept = source.tetraskel.thin(most_points=FEW)
+    skeleton = kept.tetraskel.skeleton()
+    way, near, (width, height) = VIEWS[mesh.stem]
+    plotter = pv.Plotter(off_screen=True, window_size=(8 * width // 7, 4 * height // 7), shape=(1, 2), border=False)
+    plotter.set_background("white")
+    dots = kept.glyph(geom=pv.Sphere(radius=0.0022 * surface.length), scale=False, orient=False)
+    plotter.add_mesh(dots, scalars="Spacing", cmap="viridis_r", show_scalar_bar=False)
+    plotter.subplot(0, 1)
+    plotter.add_mesh(surface, color="#9fb3c8", opacity=0.22, smooth_shading=True, specular=0.3)
+    tubes = skeleton.tube(radius=0.006 * surface.length)
+    plotter.add_mesh(tubes, scalars=RADIUS, cmap="viridis", show_scalar_bar=False)
+    plotter.enable_anti_aliasing("ssaa")
+    for column in range(2):
+        plotter.subplot(0, column)
+        plotter.view_vector(way, viewup=(0, 1, 0))
+        plotter.camera.zoom(0.93 * near)
+    plotter.screenshot(out)
+    plotter.close()
+
+
 def main(folder: str, out: str) -> None:
-    """One picture for each mesh."""
+    """One picture for each mesh, and that of thinning."""
     for name in VIEWS:
         picture(Path(folder) / f"{name}.obj", Path(out) / f"curve-{name}.png")
+    thinned_picture(Path(folder) / "spot.obj", Path(out) / "thinned.png")
 
 
 if __name__ == "__main__":

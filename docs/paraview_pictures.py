@@ -44,7 +44,6 @@ TREE = ("DelaunayMesh", "TreeBuilder")
 FEW = "PointSource(registrationName='points', NumberOfPoints=60, Radius=1.0)"
 STEPS = {  # the sample, and the filters that are applied before the one shown
     "CurveSkeleton": ("tree_of_tubes", ()),
-    "PointThinning": ("torus", ()),
     "DelaunayMesh": ("torus", ()),
     "InteriorCells": ("torus", ("DelaunayMesh",)),
     "TreeBuilder": (FEW, ("DelaunayMesh",)),

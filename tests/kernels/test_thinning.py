@@ -67,7 +67,8 @@ class TestPoints:
         order = rng.permutation(len(points))
         found = thinned(points[order], most_points=1500)
         assert np.array_equal(np.sort(points[order][found.ids], axis=0), np.sort(points[expected.ids], axis=0))
-        assert np.array_equal(thinned(1024 * points, most_points=1500).ids, expected.ids)
+        for unit in (2.0**-300, 1024.0, 2.0**300):
+            assert np.array_equal(thinned(unit * points, most_points=1500).ids, expected.ids)
 
     @pytest.mark.parametrize("name", ["torus", "capsule"])
     def test_points_are_as_close_as_asked(self, name: str) -> None:

@@ -112,7 +112,7 @@ found["after abort"] = again.GetDataInformation().GetNumberOfPoints()
 
 # defaults
 FILTERS = ("CurveSkeleton DelaunayMesh InteriorCells TreeBuilder FlatTetraRemoval SkeletonOutput SkeletonSurface "
-           "BezierSkeleton VoronoiSkeleton RasterSkeleton").split()
+           "BezierSkeleton VoronoiSkeleton RasterSkeleton PointThinning").split()
 def taken(proxy):
     names = [name for name in proxy.ListProperties() if not proxy.GetProperty(name).GetInformationOnly()]
     return {name: str(proxy.GetPropertyValue(name)) for name in names if name not in ("Input", "Boundary", "Original")}

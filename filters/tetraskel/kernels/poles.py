@@ -28,35 +28,43 @@ def pole_distances(mesh: Triangulation, tick: Tick = silent) -> Floats:
 
     The farther pole of a point of the convex hull is at infinity. 0 where no vertex lies on the other side.
     """
-    points, n = mesh.coordinates, len(mesh.points)
+    points, unit = _in_unit_box(mesh.coordinates)
+    n = len(points)
     far, cell = np.zeros(n), np.full(n, -1)
-    for first, corners, _, radius in _balls(mesh):
+    for first, corners, _, radius in _balls(points, mesh.simplices):
         tick(0.5 * first / len(mesh))
         for ids in corners.T:
             np.maximum.at(far, ids, radius)
-    for first, corners, _, radius in _balls(mesh):
+    for first, corners, _, radius in _balls(points, mesh.simplices):
         tick(0.5 + 0.25 * first / len(mesh))
         for ids in corners.T:
             rows = np.flatnonzero(radius == far[ids])
             np.maximum.at(cell, ids[rows], first + rows)
-    outward = _outward(mesh)
+    outward = _outward(points, mesh)
     on_hull = (outward != 0).any(axis=1)
     way = np.where(on_hull[:, None], outward, _centres(points, mesh.simplices[cell]) - points)
     near = np.zeros(n)
-    for first, corners, centres, radius in _balls(mesh):
+    for first, corners, centres, radius in _balls(points, mesh.simplices):
         tick(0.75 + 0.25 * first / len(mesh))
         for ids in corners.T:
             behind = np.flatnonzero(((centres - points[ids]) * way[ids]).sum(axis=1) < 0)
             np.maximum.at(near, ids[behind], radius[behind])
-    return near
+    return np.ldexp(near, unit)
 
 
-def _balls(mesh: Triangulation) -> Iterator[tuple[int, Ints, Floats, Floats]]:
+def _in_unit_box(points: Floats) -> tuple[Floats, int]:
+    """Moved to the origin and scaled by a power of two, whose exponent it was: squares neither overflow nor vanish."""
+    moved = points - points.min(axis=0, initial=np.inf)
+    unit = int(np.frexp(moved.max(initial=0.0))[1])
+    return np.ldexp(moved, -unit), unit
+
+
+def _balls(points: Floats, simplices: Ints) -> Iterator[tuple[int, Ints, Floats, Floats]]:
     """Some simplices at a time: the first of them, their points, circumcentres and radii; 0 for flat ones."""
-    for first in range(0, len(mesh), PIECE):
-        corners = mesh.simplices[first : first + PIECE]
-        centres = _centres(mesh.coordinates, corners)
-        away = centres - mesh.coordinates[corners[:, 0]]
+    for first in range(0, len(simplices), PIECE):
+        corners = simplices[first : first + PIECE]
+        centres = _centres(points, corners)
+        away = centres - points[corners[:, 0]]
         yield first, corners, centres, np.sqrt((away**2).sum(axis=1))
 
 
@@ -67,11 +75,11 @@ def _centres(points: Floats, simplices: Ints) -> Floats:
     return np.asarray(corners[:, 0] + offsets)
 
 
-def _outward(mesh: Triangulation) -> Floats:
+def _outward(points: Floats, mesh: Triangulation) -> Floats:
     """(n, d) sums of the normals of the hull's facets at each point; 0 away from it."""
     cells, opposite = np.nonzero(mesh.neighbors < 0)
-    normals = outward_normals(mesh.coordinates, mesh.simplices, cells, opposite)
-    total = np.zeros(mesh.coordinates.shape)
+    normals = outward_normals(points, mesh.simplices, cells, opposite)
+    total = np.zeros(points.shape)
     for corner in range(mesh.dim + 1):
         at = np.flatnonzero(opposite != corner)
         np.add.at(total, mesh.simplices[cells[at], corner], normals[at])
