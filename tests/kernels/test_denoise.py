@@ -13,7 +13,6 @@ from tetraskel.kernels.denoise import denoised
 from tetraskel.kernels.triangulate import triangulate
 
 sys.path.append(str(Path(__file__).parents[1]))
-from nasty import Nasty
 from shapes import ball, plate
 from tubes import TUBES, Floats, distance_to
 
@@ -139,11 +138,3 @@ def test_abort_passes_through() -> None:
 def test_bad_points_are_told() -> None:
     with pytest.raises(InputError, match="finite coordinates"):
         denoised([[0.0, np.nan, 1.0]])
-
-
-def test_many_points_in_one_place_stay_there() -> None:
-    """Found by fuzzing: coordinates rounded to a few integers, all nearest points in one place."""
-    rounded = Nasty(family="hollow_box", dim=2, n=46, seed=0, spoilers=("mixed_scales",) * 2, layout="int64").array()
-    found = denoised(rounded)
-    assert np.isfinite(found.points).all()
-    assert len(found.stands_for) == len(rounded)

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 from tetraskel import Aborted, InputError, curve_model, curve_skeleton, measure, medial_mesh, triangulate
@@ -268,6 +268,16 @@ def test_a_skeleton_read_back_measures_the_same():
     skeleton = curve_skeleton(tube())
     read = skeleton_from(skeleton_step(polydata(tube())).run())
     assert measure(read, surface) == pytest.approx(measure(skeleton, surface))
+
+
+def test_a_line_through_one_point_is_told():
+    """Found by fuzzing, in a file that was cut off."""
+    found = skeleton_step(polydata(tube())).run()
+    line = vtkCellArray()
+    line.InsertNextCell(1, [0])
+    found.SetLines(line)
+    with pytest.raises(InputError, match="expected lines through two points or more, got 1 of 1 through fewer"):
+        skeleton_from(found)
 
 
 @pytest.mark.parametrize(

@@ -49,10 +49,11 @@ def judge(drawn: Drawn, coordinates: Floats, boundary: Boundary) -> Numbers:
     if len(places) == 0:
         return numbers
     inside = boundary.contains(places)
+    weights = weights if weights.any() else np.ones(len(weights))  # everything in one place
     total = float(weights.sum())
     numbers["inside"] = min(max(float((weights * inside).sum()) / total, 0.0), 1.0)
-    if inside.any():
-        kept = weights[inside]
+    kept = weights[inside]
+    if kept.any():
         values = boundary.centredness(places[inside])
         numbers["centredness"] = float((kept * values).sum() / kept.sum())
     centres, radii = balls_along(graph)

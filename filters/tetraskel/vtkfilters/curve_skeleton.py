@@ -123,7 +123,7 @@ def skeleton_from(data: vtkPolyData) -> Skeleton:
     Raises
     ------
     InputError
-        When there are no lines or no radii.
+        When there are no lines or no radii, or a line has no length.
     """
     if not isinstance(data, vtkPolyData):
         raise InputError(
@@ -134,6 +134,9 @@ def skeleton_from(data: vtkPolyData) -> Skeleton:
         raise InputError("expected lines with the point array MaximumInscribedSphereRadius, got none.")
     lines, points = data.GetLines(), points_of(data)
     offsets, ids = (vtk_to_numpy(array) for array in (lines.GetOffsetsArray(), lines.GetConnectivityArray()))
+    short = int((np.diff(offsets) < 2).sum())
+    if short:
+        raise InputError(f"expected lines through two points or more, got {short} of {len(offsets) - 1} through fewer.")
     edges = line_edges(offsets, ids)
     long = np.sqrt(((points[edges[:, 1]] - points[edges[:, 0]]) ** 2).sum(axis=1))
     degree = np.bincount(edges.ravel(), minlength=len(points))
