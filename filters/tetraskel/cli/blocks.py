@@ -96,8 +96,8 @@ def _expect_possible(chosen: argparse.Namespace) -> None:
     if chosen.method != "tree":
         raise InputError(
             "expected --method tree with --blocks, got the curve skeleton: it needs the whole cloud in memory, some "
-            f"{CURVE_BYTES:,} bytes for each point; thin the points first (tetraskel thin), use --method tree --blocks, "
-            "or leave out --blocks."
+            f"{CURVE_BYTES:,} bytes for each point; thin the points first (tetraskel thin), use --method tree "
+            "--blocks, or leave out --blocks."
         )
     if chosen.input == "-" and (chosen.png or chosen.html):
         raise InputError("expected a file of points for --png and --html with --blocks, got standard input; save it.")
