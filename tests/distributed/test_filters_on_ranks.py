@@ -119,7 +119,10 @@ def assert_serial(found, expected):
         serial_order = np.argsort(expected.point_data["NodeId"])
         assert np.array_equal(together[order], values[serial_order]), name
         assert together.dtype == values.dtype, name
-    names = expected.point_data["NodeId"]  # copies have ids, but no arrays
+        for piece, _ in filled:  # copies say what their owners do
+            ids = ranks.global_ids(piece.GetPointData())
+            assert ids is None or np.array_equal(piece.point_data[name], values[ids])
+    names = expected.point_data["NodeId"]
     ids = [ranks.global_ids(piece.GetPointData()) for piece, _ in filled]
     ids = [np.arange(len(names)) if own is None else own for own in ids]  # of a rank that has all
     pieces = [edges_of(piece, names[own]) for (piece, _), own in zip(filled, ids, strict=True)]
@@ -127,3 +130,31 @@ def assert_serial(found, expected):
     told = [piece for piece in found if piece.field_data]
     for name in FACTS:
         assert {int(piece.field_data[name][0]) for piece in told} == {int(expected.field_data[name][0])}, name
+
+
+@needs_numba
+def test_arrays_of_every_kind_keep_their_names_and_types():
+    rng = np.random.default_rng(0)
+    points = torus(rng, 400)
+    kinds = {
+        "byte": rng.integers(0, 200, 400).astype(np.uint8),
+        "single": rng.random(400).astype(np.float32),
+        "way": rng.random((400, 3)),
+        "whole|number": np.arange(400),
+    }
+
+    def work(comm):
+        mine = np.arange(400)[comm.rank :: 3]
+        data = pyvista.PolyData(points[mine])
+        for name, values in kinds.items():
+            data[name] = values[mine]
+        ranks.set_global_ids(data.GetPointData(), mine, ranks.POINT_IDS)
+        step = DelaunayMesh(engine="exact", gather_below=0)
+        outputs = [step.GetOutputDataObject(0).NewInstance()]
+        step.execute_on_ranks(comm, [data], outputs)
+        return pyvista.wrap(outputs[0])
+
+    for piece in run_on_ranks(3, work):
+        for name, values in kinds.items():
+            assert np.array_equal(piece.point_data[name], values[piece.point_data["OriginalPointIds"]]), name
+            assert piece.point_data[name].dtype == values.dtype, name

@@ -115,7 +115,7 @@ def assert_skeleton(drawn, lines, skeleton):
         assert np.array_equal(values, getattr(skeleton, name)), name
     edges, lengths = [], {}
     for part, line in zip(drawn, lines, strict=True):
-        ids = np.concatenate([part.index, line.ghosts])
+        ids = np.concatenate([part.index, line.ghosts.ids])
         assert np.array_equal(line.points, skeleton.points[ids])
         for start, stop, branch, length in zip(
             line.offsets[:-1], line.offsets[1:], line.branch_id, line.lengths, strict=True

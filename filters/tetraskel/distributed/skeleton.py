@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.distributed.communicator import Communicator, Route, index_type
+from tetraskel.distributed.copies import Copies, parents_elsewhere
 from tetraskel.distributed.forests import ForestPart, families_of
 from tetraskel.distributed.numbering import sums_before
 from tetraskel.kernels.skeleton import END, JUNCTION
@@ -97,8 +98,8 @@ class Lines:
     ----------
     points : (p, e) float
         Where this rank's nodes lie, then those parents that others have.
-    ghosts : (g,) int
-        Skeleton index of these parents.
+    ghosts : Copies
+        These parents, by their skeleton index.
     offsets, nodes : (l+1,) int, (...) int
         Polylines over the points, each from the parent of its first node on; a branch on several ranks is several.
     branch_id : (l,) int
@@ -107,7 +108,7 @@ class Lines:
     """
 
     points: Floats
-    ghosts: Ints
+    ghosts: Copies
     offsets: Ints
     nodes: Ints
     branch_id: Ints
@@ -116,14 +117,8 @@ class Lines:
 
 def lines_of(comm: Communicator, skeleton: SkeletonPart, points: Floats) -> Lines:
     """Draw the skeleton; `points` (k, e) is where its nodes lie."""
-    k = len(skeleton.node)
-    away = np.flatnonzero((skeleton.parent_rank >= 0) & (skeleton.parent_rank != comm.rank))
-    route = Route(comm, skeleton.parent_rank[away])
-    theirs = route.back(points[route.forward(skeleton.parent_at[away])])
-    ghosts, first, number = np.unique(skeleton.parent[away], return_index=True, return_inverse=True)
-    parent = np.array(skeleton.parent_at)
-    parent[away] = k + number.reshape(-1)
-    whole = np.concatenate([points, theirs[first]])
+    ghosts, parent = parents_elsewhere(comm, skeleton.parent, skeleton.parent_rank, skeleton.parent_at)
+    whole = ghosts.with_theirs(comm, points)
     offsets, nodes, branch_id = _polylines(skeleton, parent)
     steps = np.sqrt(((whole[parent[nodes]] - whole[nodes]) ** 2).sum(axis=1))
     own = np.add.reduceat(steps, offsets[:-1]) if len(nodes) else np.empty(0)

@@ -127,7 +127,7 @@ def fetched_arrays(comm, attributes, owners: np.ndarray, indices: np.ndarray, ro
     wanted = route.forward(indices)
     fetched = {}
     for description in common:
-        name, kind, width = description.rsplit("|", 2)
+        name, kind, width = description.rsplit("\t", 2)
         empty = np.empty((0,) if width == "1" else (0, int(width)), kind)
         values = own.get(description, empty)[rows] if len(rows) else empty
         fetched[name] = route.back(np.ascontiguousarray(values[wanted]))
@@ -165,7 +165,7 @@ def _described(attributes) -> dict[str, np.ndarray]:
         if isinstance(array, vtkDataArray) and array.GetName() and array.GetName() not in (GHOSTS, POINT_IDS):
             values = vtk_to_numpy(array) if array.GetDataType() != VTK_BIT else None  # bits have no NumPy type
             if values is not None:
-                found[f"{array.GetName()}|{values.dtype.str}|{array.GetNumberOfComponents()}"] = values
+                found[f"{array.GetName()}\t{values.dtype.str}\t{array.GetNumberOfComponents()}"] = values
     return found
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
 
 from tetraskel.distributed.communicator import Route
+from tetraskel.distributed.copies import Copies, parents_elsewhere
 from tetraskel.distributed.forests import ForestPart
 from tetraskel.distributed.numbering import owners_of
 from tetraskel.distributed.parts import MeshPart, part_of_mesh
@@ -74,22 +75,16 @@ def part_of_data(comm, data, *, all_points=False) -> tuple[MeshPart, np.ndarray]
     return part_of_mesh(comm, mesh, ids[used] if len(used) else np.empty(0, np.int64), named), own
 
 
-def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray) -> None:
+def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray) -> Copies:
     """Nodes, lines from parent to son, and the forest's arrays; parents on other ranks are copies at the end."""
-    away = np.flatnonzero((forest.parent_rank >= 0) & (forest.parent_rank != comm.rank))
-    route = Route(comm, forest.parent_rank[away])
-    rows = route.forward(forest.parent_at[away])
-    copies, first, number = np.unique(forest.parent[away], return_index=True, return_inverse=True)
-    above = np.array(forest.parent_at)
-    above[away] = len(forest) + number.reshape(-1)
-    output.SetPoints(to_points(np.concatenate([positions, route.back(positions[rows])[first]])))
+    copies, above = parents_elsewhere(comm, forest.parent, forest.parent_rank, forest.parent_at)
+    output.SetPoints(to_points(copies.with_theirs(comm, positions)))
     sons = np.flatnonzero(forest.parent_rank >= 0)
     output.SetLines(to_cells(np.stack([above[sons], sons], axis=1)))
     alone = np.flatnonzero((forest.parent_rank < 0) & (forest.son_count == 0))
     if len(alone):
         output.SetVerts(to_cells(alone[:, None]))
-    arrays = forest_arrays(forest)
-    whole = {name: np.concatenate([values, route.back(values[rows])[first]]) for name, values in arrays.items()}
+    whole = {name: copies.with_theirs(comm, values) for name, values in forest_arrays(forest).items()}
     add_arrays(output.GetPointData(), whole)
     output.GetPointData().SetActiveScalars("Depth")
     counts = [comm.total(int(of_kind.sum())) for of_kind in (forest.parent < 0, forest.son_count == 0)]
@@ -97,10 +92,16 @@ def fill_nodes(comm, output, forest: ForestPart, positions: np.ndarray) -> None:
     ranks.set_global_ids(output.GetPointData(), whole["NodeId"], ranks.POINT_IDS)
     is_copy = np.arange(len(forest) + len(copies)) >= len(forest)
     ranks.mark_copies(output.GetPointData(), is_copy, vtkDataSetAttributes.DUPLICATEPOINT)
+    return copies
 
 
-def add_node_arrays(output, attributes, rows: np.ndarray, arrays: dict[str, np.ndarray], n_copies: int) -> None:
-    """Add arrays of this rank's nodes, made and carried; copies, at the end, have zeros in them."""
+def add_node_arrays(comm, output, attributes, rows: np.ndarray, arrays: dict[str, np.ndarray], copies: Copies) -> None:
+    """Add arrays of the nodes, made and carried; of the copies, at the end, they are their owners'.
+
+    Arrays that are carried but that not all ranks have, or no numbers, are empty there.
+    """
+    theirs = ranks.fetched_arrays(comm, attributes, copies.owners, copies.rows, rows)
+    arrays = {name: copies.with_theirs(comm, values) for name, values in arrays.items() if values is not None}
     own = output.GetPointData()
     skip = {own.GetArrayName(k) for k in range(own.GetNumberOfArrays())} | {ranks.GHOSTS, ranks.POINT_IDS, *arrays}
     carried = output.NewInstance()
@@ -108,12 +109,13 @@ def add_node_arrays(output, attributes, rows: np.ndarray, arrays: dict[str, np.n
         copy_rows(attributes, carried.GetPointData(), rows, (*skip, ranks.CELL_IDS))
     data = carried.GetPointData()
     found = {data.GetArrayName(k): array_of(data, data.GetArrayName(k)) for k in range(data.GetNumberOfArrays())}
-    for name, values in {**found, **arrays}.items():
+    for name, values in found.items():
         if values is not None:
-            zeros = np.zeros((n_copies, *values.shape[1:]), values.dtype)
-            add_arrays(own, {name: np.concatenate([values, zeros])})
+            none = np.zeros((len(copies), *values.shape[1:]), values.dtype)
+            add_arrays(own, {name: np.concatenate([values, theirs.get(name, none)])})
+    add_arrays(own, arrays)
     if not own.HasArray(ranks.GHOSTS):
-        is_copy = np.arange(output.GetNumberOfPoints()) >= output.GetNumberOfPoints() - n_copies
+        is_copy = np.arange(output.GetNumberOfPoints()) >= output.GetNumberOfPoints() - len(copies)
         ranks.mark_copies(own, is_copy, vtkDataSetAttributes.DUPLICATEPOINT)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tetraskel.distributed.copies import Copies
 from tetraskel.distributed.skeleton import Lines, lines_of, skeleton_part
 from tetraskel.kernels.node_arrays import skeleton_arrays
 from tetraskel.kernels.skeleton import skeleton_of
@@ -39,7 +40,7 @@ class SkeletonOutput(SkeletonFilter):
         forest, _ = forest_of(source)
         skeleton = skeleton_of(forest, points_of(source), keep_leaves=self.keep_leaves)
         lines = Lines(
-            skeleton.points, np.empty(0, np.int64), skeleton.branch_offsets, skeleton.branch_nodes,
+            skeleton.points, Copies(*[np.empty(0, np.int64)] * 3), skeleton.branch_offsets, skeleton.branch_nodes,
             np.arange(len(skeleton.branch_lengths)), skeleton.branch_lengths,
         )  # fmt: skip
         _draw(output, lines, np.flatnonzero(skeleton.degree == 0))
@@ -59,9 +60,9 @@ class SkeletonOutput(SkeletonFilter):
         lines = lines_of(comm, skeleton, points_of(source)[rows])
         _draw(output, lines, np.flatnonzero(skeleton.degree == 0))
         arrays = skeleton_arrays(skeleton)
-        ranks_tree.add_node_arrays(output, source.GetPointData(), rows, arrays, len(lines.ghosts))
+        ranks_tree.add_node_arrays(comm, output, source.GetPointData(), rows, arrays, lines.ghosts)
         output.GetPointData().SetActiveScalars("Depth")
-        ids = np.concatenate([skeleton.index, lines.ghosts])
+        ids = np.concatenate([skeleton.index, lines.ghosts.ids])
         ranks.set_global_ids(output.GetPointData(), ids, ranks.POINT_IDS)
         output.GetFieldData().PassData(source.GetFieldData())
 

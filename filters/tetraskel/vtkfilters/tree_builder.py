@@ -58,11 +58,10 @@ class TreeBuilder(SkeletonFilter):
         part, own = ranks_tree.part_of_data(comm, source)
         tree = build_tree_part(comm, part, self.tick("Building the tree", 0.2, 0.6))
         positions = centres(part.mesh, self.centre, self.tick("Placing the nodes", 0.6, 0.7))[tree.cell]
-        ranks_tree.fill_nodes(comm, output, tree.forest, positions)
+        copies = ranks_tree.fill_nodes(comm, output, tree.forest, positions)
         rows = own[tree.cell]
-        n_copies = output.GetNumberOfPoints() - len(rows)
         described = simplex_arrays_of_part(tree, self.tick("Measuring the cells", 0.7, 1.0))
-        ranks_tree.add_node_arrays(output, source.GetCellData(), rows, described, n_copies)
+        ranks_tree.add_node_arrays(comm, output, source.GetCellData(), rows, described, copies)
         pass_facts(source, output)
 
 
