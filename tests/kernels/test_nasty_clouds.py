@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contracts
+import faces
 import tetraskel
 from nasty import Nasty
 from tetraskel import InputError
@@ -124,6 +125,15 @@ def test_all_flat_is_told():
     with pytest.raises(InputError, match="lower the threshold"):
         tetraskel.tree_skeleton(points)
     assert len(tetraskel.tree_skeleton(points, threshold=0.0).points) > 0
+
+
+@pytest.mark.parametrize(
+    "cloud",
+    [Nasty("grid", 3, 16, 30753, ("ulp_duplicates", "ulp_duplicates"))],  # a raster line missed by 1e308 grid steps
+    ids=repr,
+)
+def test_chains_of_filters_take(cloud):
+    assert faces.filtered(cloud) == "result"
 
 
 @pytest.mark.parametrize("scale", [1e-160, 1e-90, 1.0, 1e90])

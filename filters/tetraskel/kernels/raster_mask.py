@@ -113,8 +113,8 @@ def _cover(ends: Ints, corners: Floats, first: Ints, last: Ints, shape: Ints) ->
         z = first[cell, 2] + number // sizes[cell, 0]
         line, places = y * shape[2] + z, [y, z]
     low, high = _intervals(corners, cell, np.stack(places, axis=1).astype(float))
-    start = np.maximum(np.ceil(low - ON_FACET), 0).astype(np.int64)
-    stop = np.minimum(np.floor(high + ON_FACET), shape[0] - 1).astype(np.int64)
+    start = np.clip(np.ceil(low - ON_FACET), 0, shape[0]).astype(np.int64)  # at the end of the line: nothing
+    stop = np.clip(np.floor(high + ON_FACET), -1, shape[0] - 1).astype(np.int64)
     kept = start <= stop
     np.add.at(ends, (start[kept], line[kept]), 1)
     np.add.at(ends, (stop[kept] + 1, line[kept]), -1)
