@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import pyvista
 
 from commands import run
 
@@ -47,6 +48,23 @@ IDLE = [
         "expected --ridge-slope with --method distance only, got --method thinning; leave --ridge-slope out.",
     ),
     (
+        "raster in.csv o.vtp --mask-array here",
+        "expected --mask-array with an image (.vti) only, got in.csv; leave --mask-array out.",
+    ),
+    (
+        "raster in.vti o.vtp --resolution 9 --ratio 3 --engine qhull",
+        "expected --resolution, --engine, --ratio with points, a mesh or --points-only only, got an image in in.vti; "
+        "leave them out.",
+    ),
+    (
+        "tree in.vtu o.vtp --engine qhull --joggle 1e-3",
+        "expected --engine, --joggle with points or --points-only only, got a mesh in in.vtu; leave them out.",
+    ),
+    (
+        "compare in.vtu out --no-denoise",
+        "expected --denoise with points or --points-only only, got a mesh in in.vtu; leave --denoise out.",
+    ),
+    (
         "surface in.csv o.vtp --spacing .5 --max-cells 5000",
         "expected --max-cells with --spacing 0 only, got --spacing 0.5; leave --max-cells out.",
     ),
@@ -61,6 +79,8 @@ IDLE = [
 def test_an_option_that_would_do_nothing_is_refused(tmp_path, capsys, monkeypatch, command, message):
     monkeypatch.chdir(tmp_path)
     np.savetxt("in.csv", np.random.default_rng(0).random((20, 3)), delimiter=",")
+    pyvista.ImageData(dimensions=(5, 5, 5)).save("in.vti")
+    pyvista.PolyData(np.random.default_rng(0).random((20, 3))).delaunay_3d().save("in.vtu")
     assert run(capsys, *command.split()) == (2, "", f"tetraskel {command.split()[0]}: {message}\n")
     assert not (tmp_path / "o.vtp").exists()
 

@@ -11,12 +11,21 @@ from itertools import pairwise
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkPolyData
 
-from tetraskel.cli.arguments import add_drawings, add_input, add_json, add_options, add_points_only, refuse, values
+from tetraskel.cli.arguments import (
+    add_drawings,
+    add_input,
+    add_json,
+    add_options,
+    add_points_only,
+    names_of,
+    refuse,
+    values,
+)
 from tetraskel.cli.drawings import check_drawings, draw_all
 from tetraskel.cli.files import read, read_points, writer_for
 from tetraskel.cli.outputs import InputFile, OutputFile
 from tetraskel.errors import InputError
-from tetraskel.options import InteriorCellsOptions, InteriorOptions
+from tetraskel.options import DelaunayOptions, InteriorCellsOptions, InteriorOptions
 from tetraskel.vtkfilters import InteriorCells, SkeletonFilter
 from tetraskel.vtkfilters.convert import holds_simplices, single_facts
 from tetraskel.vtkfilters.progress import ProgressLine
@@ -85,8 +94,17 @@ def run_chain(chosen: argparse.Namespace, filters: Sequence[SkeletonFilter]) -> 
 def steps_for(
     chosen: argparse.Namespace, source: vtkPointSet, filters: Sequence[SkeletonFilter]
 ) -> Sequence[SkeletonFilter]:
-    """The filters without the first one, which triangulates, when the input is a mesh already."""
-    return filters[1:] if holds_simplices(source) and not chosen.points_only else filters
+    """The filters without the first one, which triangulates, when the input is a mesh already.
+
+    Raises
+    ------
+    InputError
+        For options of the triangulation then.
+    """
+    if not holds_simplices(source) or chosen.points_only:
+        return filters
+    refuse(chosen, names_of(DelaunayOptions), "points or --points-only", "a mesh in {input}")
+    return filters[1:]
 
 
 def prepared(chosen: argparse.Namespace, writers: dict | None = None) -> Callable[[vtkPolyData], None]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tetraskel.cli.arguments import add_options, values
-from tetraskel.options import DelaunayOptions, RasterInputOptions
+from tetraskel.cli.arguments import add_options, names_of, refuse, values
+from tetraskel.options import DelaunayOptions, InteriorOptions, RasterInputOptions
 
 EXAMPLES = (
     (
@@ -40,9 +40,12 @@ def run(chosen: argparse.Namespace) -> None:
 
     step = RasterSkeleton(**values(chosen, RasterInputOptions))
     if Path(chosen.input).suffix.lower() == ".vti" and not chosen.points_only:
+        of_objects = ["resolution", "inside", "boundary", "label_array", *names_of(DelaunayOptions, InteriorOptions)]
+        refuse(chosen, of_objects, "points, a mesh or --points-only", "an image in {input}")
         write = prepared(chosen)
         source = read_points(chosen.input, images=True)
         finish(chosen, source, run_filters(source, [step]), write, from_cells=False)
         return
+    refuse(chosen, ["mask_array"], "an image (.vti)", "{input}")
     mesh = DelaunayMesh(**values(chosen, DelaunayOptions))
     run_chain(chosen, [mesh, *interior_cells(chosen, extract=False), step])
