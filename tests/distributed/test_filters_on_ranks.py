@@ -13,6 +13,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from dealt import dealt, torus, uniform
 from shapes import SOLIDS
 from tetraskel.distributed.in_process import run_on_ranks
+from tetraskel.errors import InputError, RankError
 from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.vtkfilters import DelaunayMesh, FlatTetraRemoval, InteriorCells, SkeletonOutput, TreeBuilder, ranks
 
@@ -158,3 +159,22 @@ def test_arrays_of_every_kind_keep_their_names_and_types():
         for name, values in kinds.items():
             assert np.array_equal(piece.point_data[name], values[piece.point_data["OriginalPointIds"]]), name
             assert piece.point_data[name].dtype == values.dtype, name
+
+
+@needs_numba
+def test_a_tree_of_flat_cells_alone_is_told_on_every_rank():
+    points = uniform(np.random.default_rng(0), 200)
+
+    def work(comm):
+        mine = np.arange(200)[comm.rank :: 2]
+        data = pyvista.PolyData(points[mine])
+        ranks.set_global_ids(data.GetPointData(), mine, ranks.POINT_IDS)
+        for step in (DelaunayMesh(engine="exact", gather_below=0), TreeBuilder(), FlatTetraRemoval(threshold=1.0)):
+            outputs = [
+                vtkPolyData() if isinstance(step, FlatTetraRemoval) else step.GetOutputDataObject(0).NewInstance()
+            ]
+            step.execute_on_ranks(comm, [data], outputs)
+            data = outputs[0]
+
+    with pytest.raises((InputError, RankError), match="expected simplices of quality 1 or better, got none among 1134"):
+        run_on_ranks(2, work)

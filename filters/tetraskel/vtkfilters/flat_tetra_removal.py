@@ -79,6 +79,8 @@ class FlatTetraRemoval(SkeletonFilter):
         forest, own = ranks_tree.forest_part_of(comm, source)
         quality = self._quality(source) if len(own) else np.empty(0)
         kept_forest, kept = contract_part(comm, forest, quality[own] < self.threshold)
+        if forest.n_nodes and kept_forest.n_nodes == 0:
+            raise InputError(all_flat(forest.n_nodes, self.threshold))
         copies = ranks_tree.fill_nodes(comm, output, kept_forest, points_of(source)[own[kept]])
         ranks_tree.add_node_arrays(comm, output, source.GetPointData(), own[kept], {}, copies)
         pass_facts(source, output)
