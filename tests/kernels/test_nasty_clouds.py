@@ -41,6 +41,7 @@ FOUND = {
     "lines and sheets without length": ("compare", Nasty("grid", 3, 5, 14, ("mixed_scales",))),
     "many points in one place": ("denoised", Nasty("hollow_box", 2, 46, 0, ("mixed_scales",) * 2, "int64")),
     "thinning of huge coordinates": ("thinned", Nasty("solid", 3, 389, 533559049, ("huge", "turned"), "reversed")),
+    "nodes without radii": ("given_mesh", Nasty("small", 2, 5, 25)),
     "triangles seen edge on": ("compare", Nasty("prism", 3, 11, 100390536, ("ulp_duplicates", "tilted_plane"))),
     "a surface too large for areas": ("surface_side", Nasty("prism", 3, 13, 476091663, ("huge",))),
     "centres of slivers": ("voronoi", Nasty("grid", 2, 53, 475463209, ("ulp_duplicates",))),
@@ -129,11 +130,19 @@ def test_all_flat_is_told():
 
 @pytest.mark.parametrize(
     "cloud",
-    [Nasty("grid", 3, 16, 30753, ("ulp_duplicates", "ulp_duplicates"))],  # a raster line missed by 1e308 grid steps
+    [
+        Nasty("grid", 3, 16, 30753, ("ulp_duplicates", "ulp_duplicates")),  # a raster line missed by 1e308 grid steps
+        Nasty("sphere", 3, 14, 1106, ("far_away", "duplicates"), ">f4"),  # a mask of cells all in one place
+    ],
     ids=repr,
 )
 def test_chains_of_filters_take(cloud):
-    assert faces.filtered(cloud) == "result"
+    assert faces.filtered(cloud) in ("result", "error")
+
+
+def test_rays_past_triangles_next_to_nothing(tmp_path):
+    cloud = Nasty("hollow_box", 3, 5, 25, ("duplicates", "ulp_duplicates"))  # sides of 5e-324
+    assert faces.commanded(cloud, tmp_path) == "result"
 
 
 @pytest.mark.parametrize("scale", [1e-160, 1e-90, 1.0, 1e90])

@@ -96,7 +96,8 @@ def _averages(positions: Floats, radii: Floats, path: Ints) -> tuple[Floats, Int
     """Inner samples of one chain and the node nearest to each along it."""
     step = np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=1))
     mean = 0.5 * (radii[1:] + radii[:-1])
-    along = np.concatenate([[0], np.cumsum(np.minimum(step / mean, LONGEST_STEP))])  # length in radii
+    in_radii = np.divide(step, mean, out=np.where(step > 0, LONGEST_STEP, 0.0), where=mean > 0)
+    along = np.concatenate([[0], np.cumsum(np.minimum(in_radii, LONGEST_STEP))])
     closed = path[0] == path[-1]
     n = max(int(np.ceil(along[-1] / STEP)), 3 if closed else 1)
     wanted = np.linspace(0, along[-1], n + 1)[1:-1]

@@ -63,8 +63,8 @@ def rasterise(
     Raises
     ------
     InputError
-        When nothing is inside, labels do not fit, the resolution is out of bounds, or so low that no point of the grid
-        lies in the object.
+        When nothing is inside, what is has no size, labels do not fit, the resolution is out of bounds, or so low that
+        no point of the grid lies in the object.
     """
     RasterInputOptions(resolution=resolution)
     expect_mesh(mesh)
@@ -75,6 +75,10 @@ def rasterise(
         raise InputError(f"expected an object with an inside, got none of {len(mesh)} cells inside; label some.")
     x = mesh.coordinates
     low, high = x[cells].min(axis=(0, 1)), x[cells].max(axis=(0, 1))
+    if not (high > low).any():
+        raise InputError(
+            f"expected an object of some size, got {len(cells)} cells inside that are all in one place; label others."
+        )
     step = float((high - low).max()) / (resolution - 1)
     shape = np.floor((high - low) / step + ON_FACET).astype(np.int64) + 1
     ends = np.zeros((shape[0] + 1, int(np.prod(shape[1:]))), np.int32)

@@ -186,11 +186,12 @@ def _hit_distances(origin: Floats, way: Floats, corners: Floats) -> Floats:
     solid = np.abs(volume) > EDGE_ON * reach  # else seen edge on
     scale = np.where(solid, volume, 1.0)
     away = origin - first
-    s = (away * across).sum(axis=1) / scale
     turned = np.cross(away, u)
-    t = (way * turned).sum(axis=1) / scale
-    met = solid & (s >= -SLACK) & (t >= -SLACK) & (s + t <= 1 + SLACK)
-    return np.where(met, (v * turned).sum(axis=1) / scale, -np.inf)
+    with np.errstate(over="ignore", invalid="ignore"):  # triangles smaller than a square that is not 0 are missed
+        s = (away * across).sum(axis=1) / scale
+        t = (way * turned).sum(axis=1) / scale
+        met = solid & (s >= -SLACK) & (t >= -SLACK) & (s + t <= 1 + SLACK)
+        return np.where(met, (v * turned).sum(axis=1) / scale, -np.inf)
 
 
 def nearest_in_triangles(places: Floats, corners: Floats) -> Floats:
