@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tetraskel import InputError, curve_skeleton, thinned, triangulate
 from tetraskel.errors import Aborted
 from tetraskel.kernels.curve_skeleton import Skeleton
-from tetraskel.kernels.octree import DEEPEST, Octree
+from tetraskel.kernels.octree import DEEPEST, WITHIN, Octree
 from tetraskel.kernels.poles import pole_distances
 
 sys.path.append(str(Path(__file__).parents[1]))
@@ -158,21 +158,25 @@ class TestOctree:
         points = rng.random((3000, dim))
         octree = Octree(np.zeros(dim), 1.0, 1)
         for _ in range(5):
-            leaf = octree.leaves(points)[0]
+            leaf = octree.located(points).leaf
             octree = octree.with_divided(np.unique(leaf[:40]))
-        leaf, octant, away = octree.leaves(points)
+        leaf, octant, away, within = octree.located(points)
         assert len(np.unique(octree.levels(leaf))) > 3
         assert (np.sqrt(away) <= 0.5 * np.sqrt(dim) * octree.sides(leaf) + 1e-12).all()
         for one in np.unique(leaf):
             mine = points[leaf == one]
             assert (np.ptp(mine, axis=0) <= octree.sides(np.array([one]))[0]).all()
         assert set(octant) == set(range(2**dim))
+        assert (within >= 0).all()
+        assert (within < 2**WITHIN).all()
+        halves = within >> (WITHIN - 1)
+        assert np.array_equal(halves @ (1 << np.arange(dim)[::-1]), octant)
 
     def test_the_farthest_corner_is_in_it(self) -> None:
         octree = Octree(np.zeros(3), 1.0, 2)
         for _ in range(DEEPEST - 2):
-            octree = octree.with_divided(octree.leaves(np.ones((1, 3)))[0])
-        leaf, _, _ = octree.leaves(np.ones((1, 3)))
+            octree = octree.with_divided(octree.located(np.ones((1, 3))).leaf)
+        leaf = octree.located(np.ones((1, 3))).leaf
         assert octree.levels(leaf)[0] == DEEPEST
         assert leaf[0] == 2 ** (3 * DEEPEST + 1) - 1
 

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from tetraskel.distributed.communicator import Communicator, Route
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.chunks import Tick, silent
+from tetraskel.kernels.chunks import Tick, part, silent
 from tetraskel.kernels.octree import Octree
 from tetraskel.kernels.thinning import (
+    CHECKED,
     Sample,
     Thinned,
-    box_of,
     checked,
     divided_enough,
     joined,
@@ -42,33 +42,29 @@ def thinned_on_ranks(
     points : (k, d) float
         Of this rank.
     ids : (k,) int
-        Of these among all ranks. A point may be on several ranks, with one id.
+        Of these among all ranks; a point is on one rank only (see `first_with_each`).
 
     Raises
     ------
     InputError
         As `thinned` does.
     """
-    given = checked(points)
-    once = _first_with_each(comm, ids)
-    if not once.all():
-        given, ids = given[once], ids[once]
+    given, low, high = checked(points, part(tick, 0.0, CHECKED))
     if comm.total(len(given)) <= options.most_points:
         everything = np.sort(np.concatenate(comm.allgather(ids)))
         return Thinned(everything, np.zeros(len(everything)), 0)
-    low, high = box_of(given)
     first = octree_around(comm.lowest(low), comm.highest(high), options.most_points)
     found = divided_enough(
         first,
         lambda octree, told: _sample_of_ranks(comm, sample_of_all(given, ids, octree, told), octree),
         lambda sample, octree, told: _told_by_first(comm, sample, octree, options, told),
-        tick,
+        part(tick, CHECKED, 1.0),
     )
     kept, spacing = comm.from_first(found.ids), comm.from_first(found.spacing)
     return Thinned(kept, spacing, found.n_coarse)
 
 
-def _first_with_each(comm: Communicator, ids: Ints) -> NDArray[np.bool_]:
+def first_with_each(comm: Communicator, ids: Ints) -> NDArray[np.bool_]:
     """(k,) whether no rank before this one has a point with this id, and this one none before it."""
     route = Route(comm, _home(comm, ids))
     met = route.forward(ids)  # in the order of the ranks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,27 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 DEEPEST = 20  # levels: names of leaves have 61 bits
+WITHIN = 10  # bits of a place in a leaf
+
+
+class Located(NamedTuple):
+    """Where (k, d) points lie.
+
+    Attributes
+    ----------
+    leaf : (k,) int
+    octant : (k,) int
+        Of the leaf.
+    away : (k,) float
+        Square of the distance from the leaf's middle.
+    within : (k, d) int
+        Place in the leaf, of 2 to the power of `WITHIN` along each axis.
+    """
+
+    leaf: Ints
+    octant: Ints
+    away: Floats
+    within: Ints
 
 
 @dataclass(frozen=True)
@@ -41,8 +63,8 @@ class Octree:
         """Dimension of the space."""
         return len(self.low)
 
-    def leaves(self, points: Floats) -> tuple[Ints, Ints, Floats]:
-        """Leaf of each of the (k, d) points, its octant there, and its squared distance from the leaf's middle."""
+    def located(self, points: Floats) -> Located:
+        """The leaf that each of the (k, d) points lies in, and where there."""
         steps = self._steps(points)
         leaf = np.ones(len(points), np.int64)
         for level in range(1, self.base + 1):
@@ -52,9 +74,12 @@ class Octree:
             todo = todo[_among(divided, leaf[todo])]
             leaf[todo] = (leaf[todo] << self.dim) | _octants(steps[todo], level)
         depth = self.levels(leaf)
-        cell = np.right_shift(steps, (DEEPEST - depth)[:, None])
+        below = (DEEPEST - depth)[:, None]
+        cell = np.right_shift(steps, below)
         away = points - (self.low + (cell + 0.5) * self.sides(leaf)[:, None])
-        return leaf, _octants(steps, np.minimum(depth + 1, DEEPEST)), np.asarray((away**2).sum(axis=1))
+        within = np.right_shift((steps - np.left_shift(cell, below)) << WITHIN, below)
+        octant = _octants(steps, np.minimum(depth + 1, DEEPEST))
+        return Located(leaf, octant, np.asarray((away**2).sum(axis=1)), within)
 
     def _steps(self, points: Floats) -> Ints:
         """(k, d) places in cells of the deepest level."""

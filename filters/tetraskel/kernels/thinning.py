@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, part, silent
-from tetraskel.kernels.octree import DEEPEST, Octree
+from tetraskel.kernels.octree import DEEPEST, WITHIN, Octree
 from tetraskel.kernels.points import bad_coordinates, count_bad, finite_points
 from tetraskel.kernels.poles import pole_distances
 from tetraskel.kernels.triangulate import triangulate
@@ -28,8 +28,15 @@ Bools = NDArray[np.bool_]
 
 PIECE = 1 << 18  # points looked at together
 ALL_BELOW = 0.25  # every leaf is divided while no more than this share of the points that may be kept comes of it
-LEAST_GAIN = 0.02  # of the points kept: for fewer more another look is not worth while
+LEAST_GAIN = 0.02  # of the points kept: fewer more are worth another look only where many points wait for it
+WAITING = 0.001  # of all points
 LEFT = 0.6  # share of the work that is left after each look, for the progress only
+CHECKED = 0.1  # share of the work when all points have been looked at once, for the progress only
+# Points of a leaf lie on a piece of a surface that is not bent much when they are flat: their standard deviation
+# across is less than the first share of the leaf's side. Those of a limb thinner than the leaf are as wide one way
+# across as the other, up to the second share, and not wide, of the side up to the third.
+THICK, ROUND, SLENDER = 0.04, 0.3, 0.15
+ENOUGH = 12  # points of a leaf, to tell
 N_BITS = np.array([bin(mask).count("1") for mask in range(256)])
 
 
@@ -48,6 +55,11 @@ class Sample:
         Points in the leaf.
     octants : (k,) int
         Bit o is set when there are points in octant o of the leaf.
+    sums : (k, d + d (d+1) / 2) int
+        Of the places of the points in the leaf, and of their products: whole numbers, so that they are the same in
+        any order.
+    differ : (k,) bool
+        The points of the leaf are not all in one place.
     """
 
     leaf: Ints
@@ -55,6 +67,8 @@ class Sample:
     ids: Ints
     counts: Ints
     octants: Ints
+    sums: Ints
+    differ: Bools
 
     def __len__(self) -> int:
         return len(self.leaf)
@@ -72,7 +86,7 @@ class Thinned:
         Side of the leaf of each, 0 where no other point is in it. Every input point is within this times the square
         root of the dimension of a kept one.
     n_coarse : int
-        Kept points whose leaf is wider than asked, because no more points may be kept, or hardly any would be gained.
+        Kept points whose leaf is wider than asked, because no more points may be kept or hardly any would be gained.
     """
 
     ids: Ints
@@ -104,7 +118,7 @@ def thinned(
     Raises
     ------
     InputError
-        For options out of bounds, points that are not finite, or all on one line.
+        For options out of bounds, points that are not finite, or nearly all in one place beside some far away.
 
     Examples
     --------
@@ -115,15 +129,15 @@ def thinned(
     866
     """
     options = ThinningOptions(most_points=most_points, samples_per_radius=samples_per_radius)
-    given = checked(points)
+    given, low, high = checked(points, part(tick, 0.0, CHECKED))
     if len(given) <= most_points:
+        tick(1.0)
         return Thinned(np.arange(len(given)), np.zeros(len(given)), 0)
-    ids = np.arange(len(given))
     return divided_enough(
-        octree_around(*box_of(given), most_points),
-        lambda octree, told: sample_of_all(given, ids, octree, told),
+        octree_around(low, high, most_points),
+        lambda octree, told: sample_of_all(given, 0, octree, told),
         lambda sample, octree, told: leaves_to_divide(sample, octree, options, told),
-        tick,
+        part(tick, CHECKED, 1.0),
     )
 
 
@@ -150,13 +164,14 @@ def divided_enough(
         left *= LEFT
         if len(leaves) == 0:
             order = np.argsort(sample.ids)
-            spacing = np.where(sample.counts > 1, octree.sides(sample.leaf), 0.0)
+            spacing = np.where(sample.differ, octree.sides(sample.leaf), 0.0)
+            tick(1.0)
             return Thinned(sample.ids[order], spacing[order], n_coarse)
         octree = octree.with_divided(leaves)
 
 
-def checked(points: ArrayLike) -> NDArray:
-    """The points, not copied where they are an array of numbers.
+def checked(points: ArrayLike, tick: Tick = silent) -> tuple[NDArray, Floats, Floats]:
+    """The points, not copied where they are an array of numbers, and their smallest and largest coordinates.
 
     Raises
     ------
@@ -166,20 +181,16 @@ def checked(points: ArrayLike) -> NDArray:
     given = points if isinstance(points, np.ndarray) and not np.ma.is_masked(points) else finite_points(points)
     finite_points(given[:0])  # of another shape or type
     if given.ndim != 2:
-        return finite_points(given)
-    bad = sum(count_bad(np.asarray(given[k : k + PIECE], float)) for k in range(0, len(given), PIECE))
+        given = finite_points(given)
+    bad, low, high = 0, np.full(given.shape[1], np.inf), np.full(given.shape[1], -np.inf)
+    for start in range(0, len(given), PIECE):
+        tick(start / len(given))
+        piece = np.asarray(given[start : start + PIECE], float)
+        bad += count_bad(piece)
+        low, high = np.minimum(low, piece.min(axis=0)), np.maximum(high, piece.max(axis=0))
     if bad:
         raise InputError(bad_coordinates(bad, len(given)))
-    return given
-
-
-def box_of(points: NDArray) -> tuple[Floats, Floats]:
-    """Smallest and largest coordinates of (n, d) points; infinite ones, the wrong way round, without points."""
-    low, high = np.full(points.shape[1], np.inf), np.full(points.shape[1], -np.inf)
-    for start in range(0, len(points), PIECE):
-        piece = np.asarray(points[start : start + PIECE], float)
-        low, high = np.minimum(low, piece.min(axis=0)), np.maximum(high, piece.max(axis=0))
-    return low, high
+    return given, low, high
 
 
 def octree_around(low: Floats, high: Floats, most_points: int) -> Octree:
@@ -190,49 +201,71 @@ def octree_around(low: Floats, high: Floats, most_points: int) -> Octree:
     return Octree(low, float((high - low).max()) or 1.0, base)
 
 
-def sample_of_all(points: NDArray, ids: Ints, octree: Octree, tick: Tick = silent) -> Sample:
-    """One point of each leaf, from (n, d) points that are read a piece at a time."""
+def sample_of_all(points: NDArray, ids: Ints | int, octree: Octree, tick: Tick = silent) -> Sample:
+    """One point of each leaf, from (n, d) points that are read a piece at a time.
+
+    `ids` are theirs, or that of the first when they are numbered.
+    """
     sample = no_sample(octree.dim)
     for start in range(0, len(points), PIECE):
         tick(start / len(points))
-        piece = slice(start, start + PIECE)
-        sample = joined([sample, _sample_of(np.asarray(points[piece], float), ids[piece], octree)], octree)
+        piece = np.asarray(points[start : start + PIECE], float)
+        numbered = ids + np.arange(start, start + len(piece)) if isinstance(ids, int) else ids[start : start + PIECE]
+        sample = joined([sample, _sample_of(piece, numbered, octree)], octree)
     return sample
 
 
 def no_sample(dim: int) -> Sample:
     """That of no points."""
     none = np.empty(0, np.int64)
-    return Sample(none, np.empty((0, dim)), none, none, none)
+    sums = np.empty((0, dim + dim * (dim + 1) // 2), np.int64)
+    return Sample(none, np.empty((0, dim)), none, none, none, sums, np.empty(0, bool))
 
 
 def joined(samples: Sequence[Sample], octree: Octree) -> Sample:
     """One point of each leaf, from those of parts of the points."""
-    columns = (np.concatenate([getattr(one, field.name) for one in samples]) for field in fields(Sample))
-    leaf, points, ids, counts, octants = columns
-    return _best(leaf, points, ids, counts, octants, octree.leaves(points)[2])
+    whole = Sample(*(np.concatenate([getattr(one, field.name) for one in samples]) for field in fields(Sample)))
+    return _best(whole, octree.located(whole.points).away)
 
 
 def _sample_of(points: Floats, ids: Ints, octree: Octree) -> Sample:
+    """One point of each leaf."""
     points = points + 0.0  # -0.0 and 0.0 are one place
-    leaf, octant, away = octree.leaves(points)
-    return _best(leaf, points, ids, np.ones(len(points), np.int64), np.left_shift(1, octant), away)
+    leaf, octant, away, within = octree.located(points)
+    products = [within[:, i] * within[:, j] for i, j in _pairs(octree.dim)]
+    sums = np.column_stack([within, *products])
+    whole = Sample(
+        leaf, points, ids, np.ones(len(points), np.int64), np.left_shift(1, octant), sums, np.zeros(len(points), bool)
+    )
+    return _best(whole, away)
 
 
-def _best(leaf: Ints, points: Floats, ids: Ints, counts: Ints, octants: Ints, away: Floats) -> Sample:
+def _pairs(dim: int) -> list[tuple[int, int]]:
+    """Axes whose products are summed."""
+    return [(i, j) for i in range(dim) for j in range(i, dim)]
+
+
+def _best(whole: Sample, away: Floats) -> Sample:
     """Of each leaf the point least `away`; ties go to the smaller coordinates, then to the smaller id."""
-    if len(leaf) == 0:
-        return Sample(leaf, points, ids, counts, octants)
-    order = np.argsort(leaf, kind="stable")
-    ranked = leaf[order]
-    begins = np.flatnonzero(np.concatenate([[True], ranked[1:] != ranked[:-1]]))
+    if len(whole) == 0:
+        return whole
+    order = np.argsort(whole.leaf, kind="stable")
+    leaf, points, ids = whole.leaf, whole.points, whole.ids
+    begins = np.flatnonzero(np.diff(leaf[order], prepend=-1))
     sizes = np.diff(np.append(begins, len(leaf)))
-    nearest = np.repeat(np.minimum.reduceat(away[order], begins), sizes)
-    rows = order[away[order] == nearest]
+    rows = order[away[order] == np.repeat(np.minimum.reduceat(away[order], begins), sizes)]
     rows = rows[np.lexsort([ids[rows], *points[rows].T[::-1], leaf[rows]])]
-    rows = rows[np.concatenate([[True], leaf[rows[1:]] != leaf[rows[:-1]]])]
-    counted, masked = np.add.reduceat(counts[order], begins), np.bitwise_or.reduceat(octants[order], begins)
-    return Sample(leaf[rows], points[rows], ids[rows], counted, masked)
+    rows = rows[np.flatnonzero(np.diff(leaf[rows], prepend=-1))]
+    others = (points[order] != np.repeat(points[rows], sizes, axis=0)).any(axis=1) | whole.differ[order]
+    return Sample(
+        leaf[rows],
+        points[rows],
+        ids[rows],
+        np.add.reduceat(whole.counts[order], begins),
+        np.bitwise_or.reduceat(whole.octants[order], begins),
+        np.add.reduceat(whole.sums[order], begins),
+        np.logical_or.reduceat(others, begins),
+    )
 
 
 def leaves_to_divide(sample: Sample, octree: Octree, options: ThinningOptions, tick: Tick = silent) -> tuple[Ints, int]:
@@ -242,16 +275,61 @@ def leaves_to_divide(sample: Sample, octree: Octree, options: ThinningOptions, t
     of one level those come first that are widest beside their distance to the medial axis.
     """
     sons, level = N_BITS[sample.octants], octree.levels(sample.leaf)
-    can = (sample.counts > 1) & (level < DEEPEST)
-    if not can.any() or len(sample) + int((sons[can] - 1).sum()) <= ALL_BELOW * options.most_points:
+    can = sample.differ & (level < DEEPEST)
+    few = len(sample) + int((sons[can] - 1).sum()) <= ALL_BELOW * options.most_points
+    if not sample.differ.any() or (few and can.any()):
         return sample.leaf[can], 0
-    mesh = triangulate(sample.points, tick=part(tick, 0.0, 0.7))
-    stands_for = mesh.point_map if len(mesh.point_map) else np.arange(len(sample))
-    share = pole_distances(mesh, part(tick, 0.7, 1.0))[stands_for] / octree.sides(sample.leaf)
-    wanted = np.flatnonzero(can & (share < options.samples_per_radius))
+    share = _pole_shares(sample, octree, tick)
+    share[_is_thick(sample)] = 0
+    coarse = share < options.samples_per_radius
+    _expect_parts(sample, coarse & ~can)
+    wanted = np.flatnonzero(coarse & can)
     wanted = wanted[np.lexsort([sample.leaf[wanted], share[wanted], level[wanted]])]
     gain = np.cumsum(sons[wanted] - 1)
     n_chosen = int(np.searchsorted(gain, options.most_points - len(sample), "right"))
-    if n_chosen == 0 or gain[n_chosen - 1] < LEAST_GAIN * len(sample):
+    if n_chosen == 0 or _is_done(sample, gain[n_chosen - 1], wanted, options.most_points):
         return wanted[:0], len(wanted)
     return np.sort(sample.leaf[wanted[:n_chosen]]), len(wanted)
+
+
+def _is_done(sample: Sample, gain: int, wanted: Ints, most_points: int) -> bool:
+    """Whether another look is not worth while: little comes of it, and few wait for it or no more may be kept."""
+    little = LEAST_GAIN * len(sample)
+    waiting = int(sample.counts[wanted].sum())
+    return bool(gain < little and (len(sample) + little > most_points or waiting < WAITING * sample.counts.sum()))
+
+
+def _expect_parts(sample: Sample, coarse: Bools) -> None:
+    """Raise `InputError` when most points lie in leaves that are wider than asked and cannot be divided."""
+    n, n_points = int(sample.counts[coarse & sample.differ].sum()), int(sample.counts.sum())
+    if 2 * n > n_points:
+        raise InputError(
+            f"expected points all over their box, got {n} of {n_points} points within some millionths of it; remove "
+            "those that are far away first."
+        )
+
+
+def _pole_shares(sample: Sample, octree: Octree, tick: Tick) -> Floats:
+    """(k,) distance to the nearer pole in sides of the leaf; 0 everywhere when the points kept so far have none."""
+    try:
+        mesh = triangulate(sample.points, tick=part(tick, 0.0, 0.7))
+    except InputError:  # too few, or all on one line so far
+        return np.zeros(len(sample))
+    stands_for = mesh.point_map if len(mesh.point_map) else np.arange(len(sample))
+    return np.asarray(pole_distances(mesh, part(tick, 0.7, 1.0))[stands_for] / octree.sides(sample.leaf))
+
+
+def _is_thick(sample: Sample) -> Bools:
+    """(k,) leaves whose points are no flat piece of a surface: both sides of a thin part, or a slender limb."""
+    thick = np.zeros(len(sample), bool)
+    rows = np.flatnonzero(sample.counts >= ENOUGH)
+    dim = sample.points.shape[1]
+    sums = sample.sums[rows] / sample.counts[rows, None]
+    spread = np.empty((len(rows), dim, dim))
+    for (i, j), products in zip(_pairs(dim), sums[:, dim:].T, strict=True):
+        spread[:, i, j] = spread[:, j, i] = products - sums[:, i] * sums[:, j]
+    across = np.sqrt(np.maximum(np.linalg.eigvalsh(spread), 0)) / (1 << WITHIN)
+    thick[rows] = across[:, 0] > THICK
+    if dim == 3:
+        thick[rows] |= (across[:, 0] > ROUND * across[:, 1]) & (across[:, 1] < SLENDER) & (across[:, 2] > SLENDER)
+    return thick

@@ -7,7 +7,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from tetraskel.distributed.thinning import thinned_on_ranks
+from tetraskel.distributed.thinning import first_with_each, thinned_on_ranks
 from tetraskel.kernels.thinning import Thinned, thinned
 from tetraskel.options import ThinningOptions
 from tetraskel.vtkfilters import ranks
@@ -33,7 +33,7 @@ class PointThinning(SkeletonFilter):
     tells = {  # noqa: RUF012
         "InputPoints": "Points that came in.",
         "KeptPoints": "Points that are left.",
-        "CoarsePoints": "Kept points that stand for more of the surface than asked, because no more may be kept.",
+        "CoarsePoints": "Kept points that stand for more of the surface than asked, as no more may be kept.",
     }
 
     def execute(self, inputs, outputs):
@@ -47,6 +47,8 @@ class PointThinning(SkeletonFilter):
         """Choose among the points of all ranks; each writes those of its own."""
         source = inputs[0]
         own, ids = ranks.numbered_points(comm, source)
+        once = first_with_each(comm, ids)
+        own, ids = own[once], ids[once]
         points = points_of(source)[own]
         found = thinned_on_ranks(comm, points, ids, ThinningOptions(**self._values), self.tick("Thinning the points"))
         rows = np.flatnonzero(np.isin(ids, found.ids))
@@ -74,7 +76,7 @@ class PointThinning(SkeletonFilter):
 def data_of_thinned(points: np.ndarray, found: Thinned, n_input: int) -> vtkPolyData:
     """The points that are kept, as a cloud with their ids and spacing; coordinates keep their type."""
     output = vtkPolyData()
-    if points.shape[1] == 3 and points.dtype.kind == "f":
+    if points.shape[1] == 3 and points.dtype in (np.float32, np.float64) and points.dtype.isnative:
         output.SetPoints(vtkPoints())
         output.GetPoints().SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=1))
     else:
