@@ -19,6 +19,7 @@ RADIUS = "MaximumInscribedSphereRadius"
 TETRA, TRIANGLE = pyvista.CellType.TETRA, pyvista.CellType.TRIANGLE
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -1], [1, 1, 1]], float)
+FAR_AWAY = np.concatenate([np.random.default_rng(0).random((200, 3)), [[1e9, 0, 0]]])
 IN_ONE_PLACE = (np.array([[0, 0, 0]] * 4 + [[1, 1, 1.0]]), np.array([[0, 1, 2, 3], [1, 2, 3, 4]]))
 BETWEEN = np.array([[0.5, 0, 0], [0, 0.5, 0.1], [1, 0.5, 0], [0.5, 1, 1]])  # holds no corner of its box
 OUTWARDS = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])

@@ -53,18 +53,21 @@ def test_ranks_keep_the_points_that_one_keeps(name, size):
             assert found.n_coarse == expected.n_coarse
 
 
-def test_the_first_rank_gets_little_more_than_what_is_kept():
-    points = tubes.torus().sample(40_000, np.random.default_rng(0))
-    owner = np.random.default_rng(1).integers(0, 4, len(points))
+def test_what_ranks_receive_does_not_grow_with_the_cloud():
+    received = []
+    for n in (40_000, 160_000):
+        points = tubes.torus().sample(n, np.random.default_rng(0))
 
-    def work(comm):
-        mine = np.flatnonzero(owner == comm.rank)
-        kept = thinned_on_ranks(comm, points[mine], mine, OPTIONS)
-        return comm.received_bytes, len(kept)
+        def work(comm, points=points):
+            mine = np.arange(comm.rank, len(points), comm.size)
+            kept = thinned_on_ranks(comm, points[mine], mine, OPTIONS)
+            return comm.received_bytes, len(kept)
 
-    received, kept = zip(*run_on_ranks(4, work), strict=True)
-    assert max(received) < 0.35 * points.nbytes
-    assert kept[0] <= 1500
+        found = run_on_ranks(4, work)
+        received.append(max(size for size, _ in found))
+        assert found[0][1] <= 1500
+    assert received[1] < 1.1 * received[0]
+    assert received[0] < 0.5 * 24 * 40_000
 
 
 def test_few_points_are_all_kept():

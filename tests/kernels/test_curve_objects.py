@@ -21,8 +21,8 @@ from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.triangulate import triangulate
 
 sys.path.append(str(Path(__file__).parents[1]))
-from shapes import plate, rough
-from tubes import TUBES, Tube, cylinder
+from shapes import on_sphere, plate, rough
+from tubes import TUBES, Tube, around, cylinder, line
 
 Floats = np.ndarray
 FAST = numba_is_used()  # more and larger samples where loops are compiled
@@ -239,3 +239,23 @@ def test_every_stage_reports_within_a_second() -> None:
     points = np.stack([ring * np.cos(around), ring * np.sin(around), small * np.sin(across)], axis=1)
     longest_silence(points[:2000])  # compile
     assert any(longest_silence(points) < 1.0 for _ in range(3))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("arms", [3, 4, 5, 6])
+def test_a_body_keeps_all_its_arms(arms: int, seed: int) -> None:
+    """Arms that leave a ball on one side: the third and each after it is no continuation of the first."""
+    rng = np.random.default_rng(seed)
+    turn = 2 * np.pi * np.arange(arms) / arms + 0.5 * rng.random(arms)
+    ways = np.stack([np.cos(turn), np.sin(turn), np.full(arms, -0.5)], axis=1) / np.sqrt(1.25)
+    parts = [on_sphere(8000, rng), *(around(line(tuple(0.995 * way), tuple(2 * way)), 0.08, 1300, rng) for way in ways)]
+    points = np.concatenate(parts)
+    for way in ways:
+        along = points @ way
+        off = np.sqrt(np.maximum((points**2).sum(axis=1) - along**2, 0))
+        points = points[(off > 0.072) | (along < 0) | (along > 1.5)]
+    skeleton = curve_skeleton(points)
+    ends = skeleton.points[skeleton.node_degree == 1]
+    away = np.sqrt(((2 * ways[:, None] - ends[None]) ** 2).sum(axis=2))
+    assert (away.min(axis=1) < 0.3).all()
+    assert (skeleton.components, skeleton.loops) == (1, 0)

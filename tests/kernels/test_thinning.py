@@ -89,6 +89,37 @@ class TestPoints:
         assert np.median(found.spacing[on_twig]) < 0.2 * np.median(found.spacing[~on_twig])
         assert curve_skeleton(points[found.ids]).points[:, 0].max() > 3.8
 
+    def test_a_small_part_beside_a_large_one_is_seen(self) -> None:
+        rng = np.random.default_rng(0)
+        small = 0.03 * TUBES["torus"]().sample(30_000, rng) + [1.5, 0, 0]
+        found = thinned(np.concatenate([on_sphere(30_000, rng), small]), most_points=20_000)
+        kept = small[found.ids[found.ids >= 30_000] - 30_000]
+        assert len(kept) > 2000
+        assert curve_skeleton(kept).loops == 1
+
+    @pytest.mark.parametrize("radius", [0.003, 0.5])
+    def test_a_wire_thinner_than_the_first_cells_is_seen(self, radius: float) -> None:
+        rng = np.random.default_rng(0)
+        wire = around(line((1, 0, 0), (1 + 400 * radius, 0, 0)), radius, 40_000, rng)
+        found = thinned(np.concatenate([on_sphere(20_000, rng), wire]), most_points=20_000)
+        on_wire = found.ids >= 20_000
+        assert on_wire.sum() > 8000
+        assert np.median(found.spacing[on_wire]) < radius
+
+    @pytest.mark.parametrize("shape", [(1000, 4, 4), (400, 7, 7), (2000, 4)])
+    def test_bars_of_a_lattice(self, shape: tuple[int, ...]) -> None:
+        """Of every cell the same edge is kept, all on one line, at first."""
+        axes = [np.arange(float(side)) for side in shape]
+        bar = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(shape))
+        assert 50 < len(thinned(bar, most_points=100)) <= 100
+
+    def test_a_point_far_away_is_told_or_does_no_harm(self) -> None:
+        ball = on_sphere(20_000, np.random.default_rng(0))
+        found = thinned(np.concatenate([ball, [[1e4, 0, 0]]]), most_points=2000)
+        assert len(found) > 500
+        with pytest.raises(InputError, match="20000 of 20001 points within some millionths of it; remove"):
+            thinned(np.concatenate([ball, [[1e7, 0, 0]]]), most_points=2000)
+
     def test_few_points_are_kept_as_they_are(self) -> None:
         found = thinned(on_sphere(500, np.random.default_rng(0)), most_points=500)
         assert np.array_equal(found.ids, np.arange(500))

@@ -51,6 +51,7 @@ def test_two_ranks_keep_and_draw_what_one_does(missing, tmp_path):
     assert min(len(part["ids"]) for part in parts) > 300  # each keeps some of its own
     ids, first = np.unique(np.concatenate([part["ids"] for part in parts]), return_index=True)
     assert np.array_equal(ids, expected.ids)
+    assert len(ids) == sum(len(part["ids"]) for part in parts)  # points that both ranks have are kept by one
     together = {name: np.concatenate([part[name] for part in parts])[first] for name in parts[0].files[:3]}
     assert np.array_equal(together["OriginalPointIds"], ids)
     assert np.array_equal(together["Spacing"], expected.spacing)

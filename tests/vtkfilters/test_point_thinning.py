@@ -8,6 +8,7 @@ import pyvista
 
 from tetraskel import InputError, curve_skeleton, thinned
 from tetraskel.vtkfilters import CurveSkeleton, PointThinning
+from tetraskel.vtkfilters.point_thinning import data_of_thinned
 from tubes import TUBES
 
 
@@ -35,6 +36,14 @@ def test_points_arrays_and_facts(cloud):
     facts = [int(found.field_data[name][0]) for name in ("InputPoints", "KeptPoints", "CoarsePoints")]
     assert facts == [6000, len(expected), expected.n_coarse]
     assert step.GetFoundKeptPoints() == str(len(expected))
+
+
+@pytest.mark.parametrize("kind", [">f4", ">f8", "<f4", "f2", "i2"])
+def test_coordinates_of_every_type(kind):
+    points = (100 * TUBES["torus"]().sample(600, np.random.default_rng(0))).astype(kind)
+    found = thinned(points, most_points=200)
+    data = pyvista.wrap(data_of_thinned(points[found.ids], found, len(points)))
+    assert np.array_equal(data.points, points[found.ids])
 
 
 def test_few_points_pass_as_they_are(cloud):

@@ -35,6 +35,9 @@ FINE_SAMPLE = 0.06  # where an end is looked for
 # A branch from within this many radii of an end only makes the line longer, and is worth this share of a new one: at
 # a flat end, the way into a corner.
 LONGER, NEAR_END = 0.45, 0.75
+# The root is the end of a line that leads away from it to one side only. The second limb from there, a tip beyond so
+# many radii of the root's ball, makes the line longer; the third, and each after it, is a new one.
+LIMB = 2.0
 # A line goes on from its end to a tip within so many radii, when the two directions make at least a half turn but
 # for an angle with this cosine; so many tips are tried.
 ONWARDS, FACING, TRIED = 3.0, 0.7, 20
@@ -131,7 +134,7 @@ def _grow(
             continue
         fatness = float(balls.radii[path[0]]) / max(float(excess[tip]), 1e-300)
         value = min(float(worth[tip]) / np.sqrt(max(fatness, 1.0)), drawing.drawn[int(path[-1])])
-        drawing.add(path, value * (LONGER if drawing.is_near_end(int(path[-1])) else 1))
+        drawing.add(path, value * (LONGER if drawing.makes_longer(path) else 1))
     return drawing.found
 
 
@@ -170,6 +173,7 @@ class _Drawing:
         self.ends: list[int] = []
         self.found: list[tuple[float, int, Ints]] = []
         self.lone_root = len(start) == 1
+        self.root_goes_on = False  # a limb on the other side of the root is drawn
 
     def add(self, path: Ints, worth: float) -> None:
         """Draw a path and what goes straight on from it: from its tip, and from the lone root that it began at."""
@@ -182,6 +186,8 @@ class _Drawing:
                 self._add(beyond, worth)
             else:
                 self.ends.append(int(path[-1]))
+        elif self._leaves_root(path):
+            self.root_goes_on = True
 
     def _add(self, path: Ints, worth: float) -> None:
         self._draw(path, worth)
@@ -197,9 +203,18 @@ class _Drawing:
         self.kept = np.concatenate([self.kept, path[:-1]])
         self._cloud = None
 
-    def is_near_end(self, node: int) -> bool:
-        """Does a line end near this node?"""
-        return bool(_within(self.balls, node, np.array(self.ends, dtype=np.int64), NEAR_END).any())
+    def makes_longer(self, path: Ints) -> bool:
+        """Does a path only make a line longer, which ends near the node where the path begins?"""
+        ends = np.array(self.ends, dtype=np.int64)
+        if self.root_goes_on and self._leaves_root(path):
+            ends = np.setdiff1d(ends, self.kept[:1])
+        return bool(_within(self.balls, int(path[-1]), ends, NEAR_END).any())
+
+    def _leaves_root(self, path: Ints) -> bool:
+        """Does a path lead from near the lone root to a tip far out of its ball?"""
+        root, node = int(self.kept[0]), int(path[-1])
+        near = bool(_within(self.balls, node, root, NEAR_END))
+        return self.lone_root and near and not _within(self.balls, int(path[0]), root, LIMB)
 
     def path_from(self, tip: int, most: float) -> Ints:
         """The nodes from a tip to the skeleton, cut back to where the rest pokes out by little, never `most`."""
