@@ -31,7 +31,7 @@ def test_an_array_file_and_a_data_set_give_the_same(tmp_path, capsys, points):
         status, out, err = run(capsys, tmp_path / name, tmp_path / "out.vtp", *options)
         assert (status, err) == (0, "")
         assert f"5,000 points -> {tmp_path / 'out.vtp'}: {len(expected):,} points" in out
-        assert f"{expected.n_coarse:,} coarser than asked" in out
+        assert f"{expected.n_coarse:,} of them farther apart than asked" in out
         written = pyvista.read(tmp_path / "out.vtp")
         assert np.array_equal(written.points, points[expected.ids])
         assert np.array_equal(written["OriginalPointIds"], expected.ids)

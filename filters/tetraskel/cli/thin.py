@@ -1,7 +1,8 @@
 """Points of a surface to fewer of them, as dense as the curve skeleton needs them.
 
-Many are kept where the object or a gap in it is thin, few where it is wide. An array file (.npy) is read a piece at a
-time, some ten times over, and may be larger than memory.
+Many are kept where the object or a gap in it is thin, few where it is wide. Where --most-points leaves no room for
+as many as --samples-per-radius asks, it is said how many are farther apart; edges may ask for any number. An array
+file (.npy) is read a piece at a time, some ten times over, and may be larger than memory.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ def run(chosen: argparse.Namespace) -> None:
         result = run_filters(source, [step])
     written(chosen, result if source is None else source, result, write)
     facts = single_facts(result)
-    coarse = f", {int(facts['CoarsePoints']):,} coarser than asked" if facts["CoarsePoints"] else ""
+    coarse = f", {int(facts['CoarsePoints']):,} of them farther apart than asked" if facts["CoarsePoints"] else ""
     n_input, n_kept = int(facts["InputPoints"]), result.GetNumberOfPoints()
     counts = {"input_points": n_input, "points": n_kept, "lines": 0, "faces": 0}
     text = f"{chosen.input}: {n_input:,} points -> {chosen.output}: {n_kept:,} points{coarse}"

@@ -179,8 +179,7 @@ def checked(points: ArrayLike, tick: Tick = silent) -> tuple[NDArray, Floats, Fl
         As `finite_points` does.
     """
     given = points if isinstance(points, np.ndarray) and not np.ma.is_masked(points) else finite_points(points)
-    finite_points(given[:0])  # of another shape or type
-    if given.ndim != 2:
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "fiub":
         given = finite_points(given)
     bad, low, high = 0, np.full(given.shape[1], np.inf), np.full(given.shape[1], -np.inf)
     for start in range(0, len(given), PIECE):

@@ -66,6 +66,7 @@ class PointThinning(SkeletonFilter):
         ids = source.GetPointData().GetGlobalIds()
         skip = ("OriginalPointIds", "Spacing", ranks.GHOSTS, *([] if ids is None else [ids.GetName()]))
         copy_rows(source.GetPointData(), output.GetPointData(), rows, skip)
+        output.GetPointData().SetActiveScalars("Spacing")
         facts = output.GetFieldData()
         for k in range(source.GetFieldData().GetNumberOfArrays()):
             array = source.GetFieldData().GetAbstractArray(k)
@@ -83,5 +84,6 @@ def data_of_thinned(points: np.ndarray, found: Thinned, n_input: int) -> vtkPoly
         output.SetPoints(to_points(points))
     output.SetVerts(to_cells(np.arange(len(points))[:, None]))
     add_arrays(output.GetPointData(), {"OriginalPointIds": found.ids, "Spacing": found.spacing})
+    output.GetPointData().SetActiveScalars("Spacing")
     add_facts(output, {"InputPoints": n_input, "KeptPoints": len(found), "CoarsePoints": found.n_coarse})
     return output
