@@ -145,13 +145,13 @@ class TestPoints:
 
 
 class TestSkeleton:
-    """From a seventh of the points; the bound is that of the tests of stability, 2 % of the diagonal."""
+    """From a quarter of the points; the bound is that of the tests of stability, 2 % of the diagonal."""
 
     @pytest.mark.parametrize("name", NAMES)
     def test_the_skeleton_is_about_the_same(self, name: str) -> None:
-        points = TUBES[name]().sample(40_000, np.random.default_rng(0))
+        points = TUBES[name]().sample(16_000, np.random.default_rng(0))
         expected = curve_skeleton(points)
-        found = curve_skeleton(points[thinned(points, most_points=6000).ids])
+        found = curve_skeleton(points[thinned(points, most_points=4000).ids])
         assert (found.components, found.loops, ends(found)) == (expected.components, expected.loops, ends(expected))
         assert hausdorff(found, expected) < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
 

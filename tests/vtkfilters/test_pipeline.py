@@ -118,6 +118,7 @@ def results():
         skeleton,
         mask,
         tetraskel.denoised(torus),
+        tetraskel.thinned(torus, most_points=500),
         tetraskel.binarize(tree),
         tetraskel.gate_tree(mesh),
         tetraskel.medial_mesh(model),

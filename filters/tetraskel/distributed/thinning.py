@@ -14,19 +14,9 @@ from numpy.typing import NDArray
 from tetraskel.distributed.communicator import Communicator, Route
 from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.chunks import Tick, part, silent
+from tetraskel.kernels.leaf_samples import Sample, joined, no_sample, sample_of_all
 from tetraskel.kernels.octree import Octree
-from tetraskel.kernels.thinning import (
-    CHECKED,
-    Sample,
-    Thinned,
-    checked,
-    divided_enough,
-    joined,
-    leaves_to_divide,
-    no_sample,
-    octree_around,
-    sample_of_all,
-)
+from tetraskel.kernels.thinning import CHECKED, Thinned, checked, divided_enough, leaves_to_divide, octree_around
 from tetraskel.options import ThinningOptions
 
 Ints = NDArray[np.int64]
