@@ -46,6 +46,15 @@ def test_headers_that_promise_too_much(name, tmp_path, capfd):
     assert not (tmp_path / "out.vtp").exists()
 
 
+def test_a_header_of_npy_that_does_not_end(tmp_path):
+    """Found by fuzzing: NumPy reads such a header as Python once more, piece by piece."""
+    np.save(tmp_path / "a.npy", np.zeros((30, 3)))
+    content = (tmp_path / "a.npy").read_bytes().replace(b"(30, 3), }", b"(30, 3,  \x12")
+    (tmp_path / "a.npy").write_bytes(content)
+    with pytest.raises(InputError, match="is not a plain array file"):
+        read(str(tmp_path / "a.npy"))
+
+
 def test_a_header_of_npy_that_promises_too_much(tmp_path):
     np.save(tmp_path / "a.npy", np.zeros((4, 3)))
     content = (tmp_path / "a.npy").read_bytes().replace(b"(4, 3), }" + 12 * b" ", b"(4000000000000, 3), }")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
@@ -45,7 +46,7 @@ def open_npy(file: Path) -> np.ndarray:
         table = np.load(
             file, mmap_mode="r", allow_pickle=False
         )  # a mapping is no longer than the file, whatever it says
-    except (ValueError, EOFError, OSError, OverflowError, SyntaxError) as error:
+    except (ValueError, EOFError, OSError, OverflowError, SyntaxError, tokenize.TokenError) as error:
         raise InputError(f"{str(file)!r} is not a plain array file, or holds less than its header says.") from error
     if table.ndim != 2 or table.shape[1] not in (2, 3) or table.dtype.kind not in "fiub":
         raise InputError(
