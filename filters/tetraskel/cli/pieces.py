@@ -13,10 +13,8 @@ from tetraskel.cli.files import TABLES, expect_file, read
 from tetraskel.cli.outputs import STANDARD_INPUT
 from tetraskel.cli.tables import open_npy, rows_of_table
 from tetraskel.errors import InputError
-from tetraskel.kernels.points import bad_coordinates, count_bad
+from tetraskel.kernels.points import PIECE, checked_box
 from tetraskel.vtkfilters.convert import holds_simplices, points_of
-
-PIECE = 1 << 18  # points
 
 
 def mapped_points(path: str, folder: Path, *, points_only: bool) -> np.ndarray:
@@ -42,7 +40,7 @@ def mapped_points(path: str, folder: Path, *, points_only: bool) -> np.ndarray:
         points = _copied(iter([_points_of_data(path, points_only=points_only)]), folder)
     if points.shape[1] != 3:
         raise InputError("expected points in space with --blocks, got points of a plane; leave out --blocks.")
-    _expect_finite(points)
+    checked_box(points)
     return points
 
 
@@ -69,10 +67,3 @@ def _copied(pieces: Iterator[np.ndarray], folder: Path) -> np.ndarray:
         if n == 0:
             return np.empty((0, 3))
         return np.memmap(file, kind, "r", shape=(n, width))
-
-
-def _expect_finite(points: np.ndarray) -> None:
-    """Raise `InputError` for coordinates that are not finite, counted over all points."""
-    bad = sum(count_bad(np.asarray(points[start : start + PIECE], float)) for start in range(0, len(points), PIECE))
-    if bad:
-        raise InputError(bad_coordinates(bad, len(points)))

@@ -42,14 +42,14 @@ def run(chosen: argparse.Namespace) -> None:
     from tetraskel.vtkfilters import PointThinning
     from tetraskel.vtkfilters.convert import single_facts
 
-    step = PointThinning(**values(chosen, ThinningOptions))
+    options = values(chosen, ThinningOptions)
     write = prepared(chosen, {suffix: WRITERS[suffix] for suffix in SUFFIXES})
     if Path(chosen.input).suffix.lower() == ".npy":
-        source, result = None, _thinned_file(chosen)
+        source = result = _thinned_file(chosen.input, options)
     else:
         source = read_points(chosen.input)
-        result = run_filters(source, [step])
-    written(chosen, result if source is None else source, result, write)
+        result = run_filters(source, [PointThinning(**options)])
+    written(chosen, source, result, write)
     facts = single_facts(result)
     coarse = f", {int(facts['CoarsePoints']):,} of them farther apart than asked" if facts["CoarsePoints"] else ""
     n_input, n_kept = int(facts["InputPoints"]), result.GetNumberOfPoints()
@@ -58,7 +58,7 @@ def run(chosen: argparse.Namespace) -> None:
     tell_counts(chosen, counts, facts, text)
 
 
-def _thinned_file(chosen: argparse.Namespace):
+def _thinned_file(path: str, options: dict):
     """What is left of an array file, which is never in memory as a whole."""
     from tetraskel.cli.files import expect_file, expect_points
     from tetraskel.cli.tables import open_npy
@@ -66,10 +66,8 @@ def _thinned_file(chosen: argparse.Namespace):
     from tetraskel.vtkfilters.point_thinning import data_of_thinned
     from tetraskel.vtkfilters.progress import ProgressLine
 
-    points = open_npy(expect_file(chosen.input))
-    expect_points(len(points), chosen.input)
+    points = open_npy(expect_file(path))
+    expect_points(len(points), path)
     with ProgressLine() as line:
-        found = thinned(
-            points, **values(chosen, ThinningOptions), tick=lambda share: line.show("Thinning the points", share)
-        )
+        found = thinned(points, **options, tick=lambda share: line.show("Thinning the points", share))
     return data_of_thinned(points[found.ids], found, len(points))

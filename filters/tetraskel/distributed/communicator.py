@@ -174,6 +174,11 @@ class Route:
         self.ends = np.cumsum(np.bincount(destination, minlength=comm.size))
         self._received_ends = np.zeros(comm.size, np.intp)
 
+    @classmethod
+    def by_keys(cls, comm: Communicator, keys: NDArray[np.uint64]) -> Route:
+        """The way to where rows with the same key of all ranks meet; keys are to look random (`scramble`)."""
+        return cls(comm, (keys % np.uint64(comm.size)).astype(np.intp))
+
     @property
     def source(self) -> Ints:
         """(r,) rank each received row came from; known after the first `forward`."""

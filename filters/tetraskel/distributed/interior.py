@@ -176,8 +176,7 @@ class MeshOfRanks(Classified):
 
     def _met(self, ids: Ints, flags: Bools) -> Bools:
         """(2, k) flags of the points that meet on this rank, as set by any rank."""
-        keys = scramble(ids.astype(np.uint64))
-        route = Route(self.comm, (keys % np.uint64(self.comm.size)).astype(np.intp))
+        route = Route.by_keys(self.comm, scramble(ids.astype(np.uint64)))
         met, point = np.unique(route.forward(ids), return_inverse=True)
         either = np.zeros((2, len(met)), bool)
         for side, told in enumerate(flags):

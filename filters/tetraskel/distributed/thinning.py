@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tetraskel.distributed.communicator import Communicator, Route
 from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.chunks import Tick, part, silent
-from tetraskel.kernels.leaf_samples import Sample, joined, no_sample, sample_of_all
+from tetraskel.kernels.leaf_samples import Sample, joined, sample_of_all
 from tetraskel.kernels.octree import Octree
 from tetraskel.kernels.thinning import CHECKED, Thinned, checked, divided_enough, leaves_to_divide, octree_around
 from tetraskel.options import ThinningOptions
@@ -46,7 +46,7 @@ def thinned_on_ranks(
     first = octree_around(comm.lowest(low), comm.highest(high), options.most_points)
     found = divided_enough(
         first,
-        lambda octree, told: _sample_of_ranks(comm, sample_of_all(given, ids, octree, told), octree),
+        lambda octree, told: _sample_of_ranks(comm, sample_of_all(given, ids, octree, told)),
         lambda sample, octree, told: _told_by_first(comm, sample, octree, options, told),
         part(tick, CHECKED, 1.0),
     )
@@ -56,24 +56,18 @@ def thinned_on_ranks(
 
 def first_with_each(comm: Communicator, ids: Ints) -> NDArray[np.bool_]:
     """(k,) whether no rank before this one has a point with this id, and this one none before it."""
-    route = Route(comm, _home(comm, ids))
+    route = Route.by_keys(comm, scramble(ids.astype(np.uint64)))
     met = route.forward(ids)  # in the order of the ranks
     first = np.zeros(len(met), bool)
     first[np.unique(met, return_index=True)[1]] = True
     return route.back(first)
 
 
-def _home(comm: Communicator, names: Ints) -> Ints:
-    """(k,) the rank where all that have a name meet."""
-    return np.asarray(scramble(names.astype(np.uint64)) % np.uint64(comm.size)).astype(np.int64)
-
-
-def _sample_of_ranks(comm: Communicator, own: Sample, octree: Octree) -> Sample:
+def _sample_of_ranks(comm: Communicator, own: Sample) -> Sample:
     """One point of each leaf, of all ranks, on the first."""
-    route = Route(comm, _home(comm, own.leaf))
-    met = joined([Sample(*(route.forward(getattr(own, field.name)) for field in fields(Sample)))], octree)
-    gathered = Sample(*(comm.gather(getattr(met, field.name)) for field in fields(Sample)))
-    return joined([gathered], octree) if comm.rank == 0 else no_sample(octree.dim)
+    route = Route.by_keys(comm, scramble(own.leaf.astype(np.uint64)))
+    met = joined([Sample(*(route.forward(getattr(own, field.name)) for field in fields(Sample)))])
+    return joined([Sample(*(comm.gather(getattr(met, field.name)) for field in fields(Sample)))])
 
 
 def _told_by_first(

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.octree import WITHIN, Octree
+from tetraskel.kernels.points import PIECE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-PIECE = 1 << 18  # points looked at together
 # Points of a leaf lie on a piece of a surface that is not bent much when they are flat: their standard deviation
 # across is less than the first share of the leaf's side. Those of a limb thinner than the leaf are as wide one way
 # across as the other, up to the second share, and not wide, of the side up to the third.
@@ -38,6 +38,8 @@ class Sample:
     points : (k, d) float
     ids : (k,) int
         Which of the input each is; of equal ones the first.
+    away : (k,) float
+        Square of its distance from the leaf's middle.
     counts : (k,) int
         Points in the leaf.
     octants : (k,) int
@@ -52,6 +54,7 @@ class Sample:
     leaf: Ints
     points: Floats
     ids: Ints
+    away: Floats
     counts: Ints
     octants: Ints
     sums: Ints
@@ -66,26 +69,18 @@ def sample_of_all(points: NDArray, ids: Ints | int, octree: Octree, tick: Tick =
 
     `ids` are theirs, or that of the first when they are numbered.
     """
-    sample = no_sample(octree.dim)
+    sample = _sample_of(np.empty((0, octree.dim)), np.empty(0, np.int64), octree)
     for start in range(0, len(points), PIECE):
         tick(start / len(points))
         piece = np.asarray(points[start : start + PIECE], float)
         numbered = ids + np.arange(start, start + len(piece)) if isinstance(ids, int) else ids[start : start + PIECE]
-        sample = joined([sample, _sample_of(piece, numbered, octree)], octree)
+        sample = joined([sample, _sample_of(piece, numbered, octree)])
     return sample
 
 
-def no_sample(dim: int) -> Sample:
-    """That of no points."""
-    none = np.empty(0, np.int64)
-    sums = np.empty((0, dim + dim * (dim + 1) // 2), np.int64)
-    return Sample(none, np.empty((0, dim)), none, none, none, sums, np.empty(0, bool))
-
-
-def joined(samples: Sequence[Sample], octree: Octree) -> Sample:
+def joined(samples: Sequence[Sample]) -> Sample:
     """One point of each leaf, from those of parts of the points."""
-    whole = Sample(*(np.concatenate([getattr(one, field.name) for one in samples]) for field in fields(Sample)))
-    return _best(whole, octree.located(whole.points).away)
+    return _best(Sample(*(np.concatenate([getattr(one, field.name) for one in samples]) for field in fields(Sample))))
 
 
 def _sample_of(points: Floats, ids: Ints, octree: Octree) -> Sample:
@@ -94,10 +89,8 @@ def _sample_of(points: Floats, ids: Ints, octree: Octree) -> Sample:
     leaf, octant, away, within = octree.located(points)
     products = [within[:, i] * within[:, j] for i, j in _pairs(octree.dim)]
     sums = np.column_stack([within, *products])
-    whole = Sample(
-        leaf, points, ids, np.ones(len(points), np.int64), np.left_shift(1, octant), sums, np.zeros(len(points), bool)
-    )
-    return _best(whole, away)
+    counts, differ = np.ones(len(points), np.int64), np.zeros(len(points), bool)
+    return _best(Sample(leaf, points, ids, away, counts, np.left_shift(1, octant), sums, differ))
 
 
 def _pairs(dim: int) -> list[tuple[int, int]]:
@@ -105,12 +98,12 @@ def _pairs(dim: int) -> list[tuple[int, int]]:
     return [(i, j) for i in range(dim) for j in range(i, dim)]
 
 
-def _best(whole: Sample, away: Floats) -> Sample:
-    """Of each leaf the point least `away`; ties go to the smaller coordinates, then to the smaller id."""
+def _best(whole: Sample) -> Sample:
+    """Of each leaf the point least away from its middle; ties go to the smaller coordinates, then to the smaller id."""
     if len(whole) == 0:
         return whole
     order = np.argsort(whole.leaf, kind="stable")
-    leaf, points, ids = whole.leaf, whole.points, whole.ids
+    leaf, points, ids, away = whole.leaf, whole.points, whole.ids, whole.away
     begins = np.flatnonzero(np.diff(leaf[order], prepend=-1))
     sizes = np.diff(np.append(begins, len(leaf)))
     rows = order[away[order] == np.repeat(np.minimum.reduceat(away[order], begins), sizes)]
@@ -121,6 +114,7 @@ def _best(whole: Sample, away: Floats) -> Sample:
         leaf[rows],
         points[rows],
         ids[rows],
+        away[rows],
         np.add.reduceat(whole.counts[order], begins),
         np.bitwise_or.reduceat(whole.octants[order], begins),
         np.add.reduceat(whole.sums[order], begins),

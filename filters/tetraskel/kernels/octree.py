@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.voronoi_lines import found_in
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -71,7 +73,7 @@ class Octree:
             leaf = (leaf << self.dim) | _octants(steps, level)
         todo = np.arange(len(points))
         for level, divided in enumerate(self.divided, self.base + 1):
-            todo = todo[_among(divided, leaf[todo])]
+            todo = todo[found_in(leaf[todo], divided)]
             leaf[todo] = (leaf[todo] << self.dim) | _octants(steps[todo], level)
         depth = self.levels(leaf)
         below = (DEEPEST - depth)[:, None]
@@ -112,8 +114,3 @@ def _octants(steps: Ints, level: int | Ints) -> Ints:
     for column in steps.T:
         octant = (octant << 1) | ((column >> (DEEPEST - level)) & 1)
     return octant
-
-
-def _among(ranked: Ints, values: Ints) -> NDArray[np.bool_]:
-    place = np.minimum(np.searchsorted(ranked, values), len(ranked) - 1)
-    return np.asarray(ranked[place] == values)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
+from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.plane import on_one_line, plane_of, plane_of_mesh, roundings_by_axis
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LARGEST = 1e100  # squares and volumes of coordinates have to stay finite
+PIECE = 1 << 18  # points of a file looked at together
 MORTON_BITS = {2: 31, 3: 21}
 
 
@@ -87,6 +90,32 @@ def bad_coordinates(bad: int, n: int) -> str:
         f"expected finite coordinates below {LARGEST:g}, got {bad} of {n} points with NaN, infinity or larger values; "
         "remove these points first."
     )
+
+
+def checked_box(points: NDArray[Any], tick: Tick = silent) -> tuple[Floats, Floats]:
+    """Smallest and largest coordinates of (n, d) points, looked at a piece at a time; they may be in a file.
+
+    Raises
+    ------
+    InputError
+        For coordinates that are not finite (they are counted).
+    """
+    bad, low, high = 0, np.full(points.shape[1], np.inf), np.full(points.shape[1], -np.inf)
+    for start in range(0, len(points), PIECE):
+        tick(start / len(points))
+        piece = np.asarray(points[start : start + PIECE], float)
+        bad += count_bad(piece)
+        low, high = np.minimum(low, piece.min(axis=0)), np.maximum(high, piece.max(axis=0))
+    if bad:
+        raise InputError(bad_coordinates(bad, len(points)))
+    return low, high
+
+
+def unit_box(points: Floats) -> tuple[Floats, int]:
+    """Moved to the origin and divided by a power of two, and its exponent: squares neither overflow nor vanish."""
+    moved = points - points.min(axis=0, initial=np.inf)
+    exponent = int(np.frexp(moved.max(initial=0.0))[1])
+    return np.ldexp(moved, -exponent), exponent
 
 
 def _merge_equal(points: Floats, roundoff: Floats) -> DistinctPoints:

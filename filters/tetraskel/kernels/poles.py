@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.centres import circumcentre_offsets
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.mesh import Triangulation
+from tetraskel.kernels.points import unit_box
 from tetraskel.kernels.voronoi_diagram import outward_normals
 
 Floats = NDArray[np.float64]
@@ -28,7 +29,7 @@ def pole_distances(mesh: Triangulation, tick: Tick = silent) -> Floats:
 
     The farther pole of a point of the convex hull is at infinity. 0 where no vertex lies on the other side.
     """
-    points, unit = _in_unit_box(mesh.coordinates)
+    points, unit = unit_box(mesh.coordinates)
     n = len(points)
     far, cell = np.zeros(n), np.full(n, -1)
     for first, corners, _, radius in _balls(points, mesh.simplices):
@@ -50,13 +51,6 @@ def pole_distances(mesh: Triangulation, tick: Tick = silent) -> Floats:
             behind = np.flatnonzero(((centres - points[ids]) * way[ids]).sum(axis=1) < 0)
             np.maximum.at(near, ids[behind], radius[behind])
     return np.ldexp(near, unit)
-
-
-def _in_unit_box(points: Floats) -> tuple[Floats, int]:
-    """Moved to the origin and scaled by a power of two, whose exponent it was: squares neither overflow nor vanish."""
-    moved = points - points.min(axis=0, initial=np.inf)
-    unit = int(np.frexp(moved.max(initial=0.0))[1])
-    return np.ldexp(moved, -unit), unit
 
 
 def _balls(points: Floats, simplices: Ints) -> Iterator[tuple[int, Ints, Floats, Floats]]:

@@ -220,8 +220,11 @@ def morphological_reversal(skeleton: RasterSkeleton, *, tick: Tick = silent) -> 
 
 
 def _thinned(inside: Bools, distance: Floats) -> Bools:
-    """What is left when simple points are removed, by scikit-image; it takes away some pieces as a whole (cubes with
-    an even number of points along each side): of those the deepest point is left."""
+    """What is left when simple points are removed, by scikit-image.
+
+    It takes away some pieces as a whole (cubes with an even number of points along each side): of those the deepest
+    point is left.
+    """
     from scipy.ndimage import label, maximum_position
 
     try:

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetraskel.errors import InputError
 from tetraskel.kernels.chunks import Tick, part, silent
-from tetraskel.kernels.leaf_samples import PIECE, Sample, is_thick, sample_of_all
+from tetraskel.kernels.leaf_samples import Sample, is_thick, sample_of_all
 from tetraskel.kernels.octree import DEEPEST, Octree
-from tetraskel.kernels.points import bad_coordinates, count_bad, finite_points
+from tetraskel.kernels.points import checked_box, finite_points
 from tetraskel.kernels.poles import pole_distances
 from tetraskel.kernels.triangulate import triangulate
 from tetraskel.options import ThinningOptions
@@ -142,15 +142,7 @@ def checked(points: ArrayLike, tick: Tick = silent) -> tuple[NDArray, Floats, Fl
     given = points if isinstance(points, np.ndarray) and not np.ma.is_masked(points) else finite_points(points)
     if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "fiub":
         given = finite_points(given)
-    bad, low, high = 0, np.full(given.shape[1], np.inf), np.full(given.shape[1], -np.inf)
-    for start in range(0, len(given), PIECE):
-        tick(start / len(given))
-        piece = np.asarray(given[start : start + PIECE], float)
-        bad += count_bad(piece)
-        low, high = np.minimum(low, piece.min(axis=0)), np.maximum(high, piece.max(axis=0))
-    if bad:
-        raise InputError(bad_coordinates(bad, len(given)))
-    return given, low, high
+    return given, *checked_box(given, tick)
 
 
 def octree_around(low: Floats, high: Floats, most_points: int) -> Octree:

@@ -22,7 +22,7 @@ from tetraskel.kernels.compilation import SWITCH, first_line, give_up_numba, num
 from tetraskel.kernels.denoise import denoised
 from tetraskel.kernels.mesh import Triangulation
 from tetraskel.kernels.plane import plane_of_mesh
-from tetraskel.kernels.points import DistinctPoints, distinct_points, full_dimensional, morton_order
+from tetraskel.kernels.points import DistinctPoints, distinct_points, full_dimensional, morton_order, unit_box
 from tetraskel.kernels.predicates import orientation_signs
 from tetraskel.options import DelaunayOptions
 
@@ -100,7 +100,7 @@ def triangulate(
     order = morton_order(coordinates)
     in_order = coordinates[order]
     as_given = engine == "exact" and not joggle
-    inputs = in_order if as_given else _unit_box(in_order)
+    inputs = in_order if as_given else unit_box(in_order)[0]  # engines then see every unit and offset alike
     if joggle:
         inputs = inputs + _displacements(inputs, joggle)
     simplices, neighbors, stands_for = _module(engine).delaunay(inputs, part(tick, before, 1.0))
@@ -172,12 +172,6 @@ def available_engine(engine: str) -> str:
 
 def _module(engine: str) -> ModuleType:
     return importlib.import_module(ENGINE_MODULES[engine][0])
-
-
-def _unit_box(points: Floats) -> Floats:
-    """Moved to the origin and scaled by a power of two: engines then see every unit and offset alike."""
-    moved = points - points.min(axis=0)
-    return np.ldexp(moved, -int(np.frexp(moved.max())[1]))
 
 
 def _displacements(points: Floats, joggle: float) -> Floats:

@@ -12,7 +12,7 @@ from tetraskel.kernels.thinning import Thinned, thinned
 from tetraskel.options import ThinningOptions
 from tetraskel.vtkfilters import ranks
 from tetraskel.vtkfilters.base import SkeletonFilter
-from tetraskel.vtkfilters.convert import add_arrays, add_facts, copy_rows, points_of, to_cells, to_points
+from tetraskel.vtkfilters.convert import add_arrays, add_facts, copy_rows, pass_facts, points_of, to_cells, to_points
 
 
 class PointThinning(SkeletonFilter):
@@ -53,8 +53,7 @@ class PointThinning(SkeletonFilter):
         found = thinned_on_ranks(comm, points, ids, ThinningOptions(**self._values), self.tick("Thinning the points"))
         rows = np.flatnonzero(np.isin(ids, found.ids))
         place = np.searchsorted(found.ids, ids[rows])
-        n_coarse = int(comm.from_first(np.array([found.n_coarse]))[0])
-        mine = Thinned(ids[rows], found.spacing[place], n_coarse)
+        mine = Thinned(ids[rows], found.spacing[place], found.n_coarse)
         outputs[0].ShallowCopy(data_of_thinned(points[rows], mine, comm.total(len(own))))
         add_facts(outputs[0], {"KeptPoints": len(found)})
         self._pass(source, outputs[0], own[rows])
@@ -67,11 +66,7 @@ class PointThinning(SkeletonFilter):
         skip = ("OriginalPointIds", "Spacing", ranks.GHOSTS, *([] if ids is None else [ids.GetName()]))
         copy_rows(source.GetPointData(), output.GetPointData(), rows, skip)
         output.GetPointData().SetActiveScalars("Spacing")
-        facts = output.GetFieldData()
-        for k in range(source.GetFieldData().GetNumberOfArrays()):
-            array = source.GetFieldData().GetAbstractArray(k)
-            if not facts.HasArray(array.GetName() or ""):
-                facts.AddArray(array)
+        pass_facts(source, output)
 
 
 def data_of_thinned(points: np.ndarray, found: Thinned, n_input: int) -> vtkPolyData:
