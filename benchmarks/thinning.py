@@ -18,6 +18,7 @@ from curve_table import read_obj
 from scipy.spatial import cKDTree
 
 from tetraskel import curve_skeleton, thinned
+from tetraskel.kernels.measures import samples_along
 from tetraskel.kernels.surface_rays import surface_of, surface_samples
 
 NAMES = ("homer", "spot", "rocker-arm")
@@ -41,23 +42,15 @@ def draw(file: str, most: int, out: str) -> None:
     kept = points[thinned(points, most_points=most).ids]
     between = time.perf_counter()
     skeleton = curve_skeleton(kept)
-    np.savez(out, points=skeleton.points, edges=skeleton.edges)
+    np.save(out, samples_along(skeleton, 3000)[0])
     ends = int((skeleton.node_degree == 1).sum())
     spent = between - start, time.perf_counter() - between, megabytes() - before
     print(len(kept), skeleton.components, skeleton.loops, ends, *spent)
 
 
-def along(file: Path) -> np.ndarray:
-    """Points close together on all lines of a skeleton."""
-    drawn = np.load(file)
-    shares = np.linspace(0, 1, 6)[:, None, None]
-    start, stop = (drawn["points"][drawn["edges"][:, k]] for k in (0, 1))
-    return ((1 - shares) * start + shares * stop).reshape(-1, 3)
-
-
 def apart(place: Path, name: str, diagonal: float) -> str:
     """Mean and largest distance of a skeleton from that of all points, the larger of both ways, in percent."""
-    one, other = along(place / f"{name}.npz"), along(place / "all.npz")
+    one, other = np.load(place / f"{name}.skeleton.npy"), np.load(place / "all.skeleton.npy")
     ways = [cKDTree(a).query(b)[0] for a, b in ((one, other), (other, one))]
     mean, largest = (100 * max(map(what, ways)) / diagonal for what in (np.mean, np.max))
     return f"{mean:.2f} / {largest:.1f}"
@@ -65,7 +58,7 @@ def apart(place: Path, name: str, diagonal: float) -> str:
 
 def drawn(place: str, cloud: str, most: int, name: str = "") -> tuple[str, str, str]:
     """Draw in a process of its own; cells of the table: points, what is drawn, seconds and megabytes."""
-    call = [sys.executable, __file__, f"{place}/{cloud}.npy", str(most), f"{place}/{name or cloud}.npz"]
+    call = [sys.executable, __file__, f"{place}/{cloud}.npy", str(most), f"{place}/{name or cloud}.skeleton.npy"]
     said = subprocess.run(call, check=True, capture_output=True, text=True).stdout.split()
     thinning, drawing, peak = map(float, said[4:])
     return f"{int(said[0]):,}", " / ".join(said[1:4]), f"{thinning:.1f} | {drawing:.1f} | {peak:.0f}"

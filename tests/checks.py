@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapes import Shape
-from tetraskel import Triangulation
+from tetraskel import Skeleton, Triangulation
+from tetraskel.kernels.measures import samples_along
+from tetraskel.kernels.nearest import Cloud
 
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
@@ -54,6 +56,12 @@ def euler_characteristic(simplices: Ints) -> int:
         count = len(np.unique(np.sort(np.concatenate(faces), axis=1), axis=0))
         total += count if size % 2 else -count
     return total
+
+
+def hausdorff(first: Skeleton, second: Skeleton, n: int) -> float:
+    """Hausdorff distance between two skeletons, from about n places of each."""
+    a, b = (samples_along(one, n)[0] for one in (first, second))
+    return float(max(Cloud(a).query(b)[0].max(), Cloud(b).query(a)[0].max()))
 
 
 def count_pieces(neighbors: Ints, side: Bools, *, outside_too: bool = False) -> int:

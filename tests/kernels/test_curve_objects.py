@@ -21,6 +21,7 @@ from tetraskel.kernels.nearest import Cloud
 from tetraskel.kernels.triangulate import triangulate
 
 sys.path.append(str(Path(__file__).parents[1]))
+from checks import hausdorff
 from shapes import on_sphere, plate, rough
 from tubes import TUBES, Tube, around, cylinder, line
 
@@ -91,12 +92,6 @@ def turned(points: Floats) -> tuple[Floats, Floats]:
     return points @ rotation.T, rotation
 
 
-def bones_apart(first: Skeleton, second: Skeleton) -> float:
-    """Hausdorff distance between two skeletons."""
-    a, b = samples_along(first, 800)[0], samples_along(second, 800)[0]
-    return float(max(Cloud(a).query(b)[0].max(), Cloud(b).query(a)[0].max()))
-
-
 WANDERING = "an end lies {} of the diagonal farther along its cap"
 RESAMPLED = [("annulus", 2000, 2), ("torus", 2500, 2), ("y", 3000, 2), ("bent tube", 3000, 2)]
 if FAST:
@@ -118,7 +113,7 @@ def test_another_sample_turned_gives_the_same_skeleton(name: str, n: int, seed: 
     back = replace(skeleton, points=skeleton.points @ rotation)
     first = curve_skeleton(points)
     assert topology(first) == topology(back) == (1, tube.loops, tube.ends, tube.junctions)
-    assert bones_apart(first, back) < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
+    assert hausdorff(first, back, 800) < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
 
 
 PERMUTED = [("torus", 2000), ("capsule", 2000), ("y", 3000), ("double torus", 6000)]

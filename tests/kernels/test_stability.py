@@ -9,10 +9,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
+from checks import hausdorff
 from tetraskel import curve_skeleton
-from tetraskel.kernels.measures import samples_along
 from tubes import TUBES
 
 N = 5000
@@ -69,9 +68,7 @@ def in_another_way(name, way):
 
 def apart(first, second, name):
     """Hausdorff distance, in percent."""
-    a, b = (samples_along(one, 3000)[0] for one in (first, second))
-    farthest = max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max())
-    return 100 * farthest / np.linalg.norm(np.ptp(cloud(name), axis=0))
+    return 100 * hausdorff(first, second, 3000) / np.linalg.norm(np.ptp(cloud(name), axis=0))
 
 
 def assert_same_graph(found, name):

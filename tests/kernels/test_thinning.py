@@ -16,25 +16,12 @@ from tetraskel.kernels.octree import DEEPEST, WITHIN, Octree
 from tetraskel.kernels.poles import pole_distances
 
 sys.path.append(str(Path(__file__).parents[1]))
+from checks import hausdorff
 from shapes import SOLIDS, on_sphere
 from tubes import TUBES, around, distance_to, line
 
 Floats = NDArray[np.float64]
 NAMES = sorted(name for name in TUBES if TUBES[name]().sample(10).shape[1] == 3)
-
-
-def samples_along(skeleton: Skeleton) -> Floats:
-    """Points close together on all lines."""
-    start, stop = (skeleton.points[skeleton.edges[:, k]] for k in (0, 1))
-    shares = np.linspace(0, 1, 6)[:, None, None]
-    return ((1 - shares) * start + shares * stop).reshape(-1, start.shape[1])
-
-
-def hausdorff(one: Skeleton, other: Skeleton) -> float:
-    from scipy.spatial import cKDTree
-
-    a, b = samples_along(one), samples_along(other)
-    return float(max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max()))
 
 
 def ends(skeleton: Skeleton) -> int:
@@ -153,7 +140,7 @@ class TestSkeleton:
         expected = curve_skeleton(points)
         found = curve_skeleton(points[thinned(points, most_points=4000).ids])
         assert (found.components, found.loops, ends(found)) == (expected.components, expected.loops, ends(expected))
-        assert hausdorff(found, expected) < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
+        assert hausdorff(found, expected, 3000) < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
 
     def test_a_narrow_gap_stays_open(self) -> None:
         rng = np.random.default_rng(0)
