@@ -39,6 +39,32 @@ class Met(NamedTuple):
     sure: Bools
 
 
+class Segments(NamedTuple):
+    """Straight pieces in which Voronoi faces cross the boundary.
+
+    Attributes
+    ----------
+    faces : (s,) int
+        Keys (`edge_keys_of`) of the two generators of each face.
+    places : (s, 2, 3) float
+        First and last place: the object is on the left of the way, seen from the larger generator.
+    outward : (s, 3) float
+        Unit normal of the boundary.
+    ends : (s, 2) int
+        What the first and last place are: a row of `Met`, or -1 - the key of the side of a triangle of the boundary.
+    """
+
+    faces: Ints
+    places: Floats
+    outward: Floats
+    ends: Ints
+
+
+def no_segments(dim: int) -> Segments:
+    """None, which is what the plane has."""
+    return Segments(np.empty(0, np.int64), np.empty((0, 2, dim)), np.empty((0, dim)), np.empty((0, 2), np.int64))
+
+
 def on_edges(neighbours: Neighbours, keys: Ints, tick: Tick) -> tuple[Ints, Ints, Floats]:
     """Edges of the boundary, between which cells each passes (their key), and where, as a share of its length."""
     start, stop = split_keys(keys)
@@ -112,19 +138,22 @@ def on_edges_compiled(around: tuple[Floats, Ints, Ints], keys: Ints) -> tuple[In
 
 def on_triangles_compiled(
     around: tuple[Floats, Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
-) -> tuple[Met, Ints, Floats, Floats]:
+) -> tuple[Met, Segments]:
     """The same as `on_triangles`, by numba: a triangle is done before the next, its edges with it.
 
     Places closer than `same` where the same cells meet on a triangle are one; `around` is as in `on_edges_compiled`.
     """
-    met, spots, pairs, segments = gather_compiled(
+    met, spots, pairs, places = gather_compiled(
         "boundary_loops.on_triangles",
         lambda piece: (*around, same, piece.start, facets[piece], outward[piece]),
         len(facets),
         tick,
     )
     found = Met(met[:, :3], spots, outward[met[:, 3]], met[:, 4] != 0)
-    return found, pairs[:, 0], segments.reshape(-1, 2, 3), outward[pairs[:, 1]]
+    counts = np.bincount(met[:, 3], minlength=len(facets))
+    ends = pairs[:, 2:]
+    ends = np.where(ends < 0, ends, ends + (np.cumsum(counts) - counts)[pairs[:, 1], None])
+    return found, Segments(pairs[:, 0], places.reshape(-1, 2, 3), outward[pairs[:, 1]], ends)
 
 
 def on_triangles(
@@ -133,37 +162,33 @@ def on_triangles(
     outward: Floats,
     on_edges: tuple[Ints, Ints, Ints],
     tick: Tick,
-) -> tuple[Met, Ints, Floats, Floats]:
-    """Segments in which Voronoi faces cross the triangles of the boundary, and where they end at Voronoi edges.
-
-    Returns
-    -------
-    met : Met
-    faces : (s,) int
-        Key of the two cells beside each segment.
-    segments : (s, 2, 3) float
-    outward : (s, 3) float
-    """
+) -> tuple[Met, Segments]:
+    """Segments in which Voronoi faces cross the triangles of the boundary, and where they end at Voronoi edges."""
     triangles, pairs = _starts(facets, *on_edges)
     seen = np.empty(0, np.uint64)
-    segments: list[tuple[Ints, Floats, Floats]] = []
+    segments: list[Segments] = []
     corners: list[Met] = []
+    n_corners = 0
     while len(pairs):
         tick(0.5)
         low, high = split_keys(pairs)
-        origins, ways, spans = _common_lines(neighbours.coordinates, facets[triangles], outward[triangles], low, high)
+        given = facets[triangles], outward[triangles]
+        origins, ways, spans, sides = _common_lines(neighbours.coordinates, *given, low, high)
         got = nearest_on_lines(neighbours, low, high, origins, ways, spans)
         jobs = np.sort(_job_keys(triangles, pairs))
         seen = np.insert(seen, np.searchsorted(seen, jobs), jobs)
         there = got.high > got.low
         places = np.where(there[:, None], np.stack([got.low, got.high], axis=1), 0.0)
-        ends = origins[:, None] + places[:, :, None] * ways[:, None]
-        segments.append((pairs[there], ends[there], outward[triangles[there]]))
+        spots = origins[:, None] + places[:, :, None] * ways[:, None]
+        ends = -1 - sides
         for side, (rows, others, _) in enumerate(_ends_of(got, there)):
             triples = np.sort(np.stack([low[rows], high[rows], others], axis=1), axis=1)
             place, (least, most) = (got.low, got.high)[side][rows], spans[rows].T
             sure = np.minimum(place - least, most - place) > ON_BORDER * (most - least)
-            corners.append(Met(triples, ends[rows, side], outward[triangles[rows]], sure))
+            corners.append(Met(triples, spots[rows, side], outward[triangles[rows]], sure))
+            ends[rows, side] = n_corners + np.arange(len(rows))
+            n_corners += len(rows)
+        segments.append(Segments(pairs[there], spots[there, ::-1], outward[triangles[there]], ends[there, ::-1]))
         further = _ends_of(got, _holds_a_place(got, spans))
         ahead = [(triangles[rows], one[rows], others) for rows, others, _ in further for one in (low, high)]
         triangle, one, other = (np.concatenate(column) for column in zip(*ahead, strict=True))
@@ -174,11 +199,9 @@ def on_triangles(
         triangles, pairs = triangle[new], next_pairs[new]
     if not segments:
         none = np.empty((0, 3))
-        met = Met(np.empty((0, 3), np.int64), none, none, np.empty(0, bool))
-        return met, np.empty(0, np.int64), np.empty((0, 2, 3)), none
+        return Met(np.empty((0, 3), np.int64), none, none, np.empty(0, bool)), no_segments(3)
     met = Met(*(np.concatenate(column) for column in zip(*corners, strict=True)))
-    faces, lines, sides = (np.concatenate(column) for column in zip(*segments, strict=True))
-    return met, faces, lines, sides
+    return met, Segments(*(np.concatenate(column) for column in zip(*segments, strict=True)))
 
 
 def _starts(facets: Ints, keys: Ints, lines: Ints, pairs: Ints) -> tuple[Ints, Ints]:
@@ -193,10 +216,20 @@ def _starts(facets: Ints, keys: Ints, lines: Ints, pairs: Ints) -> tuple[Ints, I
     return triangles[new], pairs[places][new]
 
 
-def _common_lines(x: Floats, triangles: Ints, normals: Floats, low: Ints, high: Ints) -> tuple[Floats, Floats, Floats]:
+def _common_lines(
+    x: Floats, triangles: Ints, normals: Floats, low: Ints, high: Ints
+) -> tuple[Floats, Floats, Floats, Ints]:
     """Lines in the triangles' planes that are equally far from two generators, and their parts in the triangles.
 
     Where the planes are parallel the part is empty: the Voronoi face lies in the boundary and does not cross it.
+
+    Returns
+    -------
+    origins, ways : (k, 3) float
+    spans : (k, 2) float
+        Least and largest place.
+    sides : (k, 2) int
+        Keys of the sides of the triangles on which these lie.
     """
     across = x[high] - x[low]
     in_plane = across - normals * dots(across, normals)[:, None]
@@ -207,15 +240,18 @@ def _common_lines(x: Floats, triangles: Ints, normals: Floats, low: Ints, high: 
     parallel = square <= np.finfo(float).eps * dots(across, across)
     origins = corners[:, 0] + in_plane * (to_middle / np.where(parallel, 1.0, square))[:, None]
     spans = np.tile([-np.inf, np.inf], (len(low), 1))
+    sides = np.zeros((len(low), 2), np.int64)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         inward = np.cross(normals, corners[:, j] - corners[:, i])
         inward *= np.sign(dots(inward, corners[:, k] - corners[:, i]))[:, None]
         gap = dots(inward, origins - corners[:, i])
         slope = dots(inward, ways)
+        key = edge_keys_of(triangles[:, i], triangles[:, j])
         with np.errstate(divide="ignore", invalid="ignore"):
             place = -gap / slope
-        spans[:, 0] = np.where(slope > 0, np.maximum(spans[:, 0], place), spans[:, 0])
-        spans[:, 1] = np.where(slope < 0, np.minimum(spans[:, 1], place), spans[:, 1])
+        for end, nearer in enumerate(((slope > 0) & (place > spans[:, 0]), (slope < 0) & (place < spans[:, 1]))):
+            spans[:, end] = np.where(nearer, place, spans[:, end])
+            sides[:, end] = np.where(nearer, key, sides[:, end])
         spans[(slope == 0) & (gap < 0), 1] = -np.inf
     spans[parallel | ~np.isfinite(spans).all(axis=1)] = 0.0
-    return origins, ways, spans
+    return origins, ways, spans, sides

@@ -17,6 +17,7 @@ from tetraskel.kernels.voronoi_loops import turn
 EPSILON = np.finfo(np.float64).eps
 NONE = np.int64(-1)
 BELOW = np.int64(0xFFFFFFFF)
+ROUNDING = 1e-12  # relative, of a sum of products: well above what is lost
 
 
 @inlined
@@ -25,35 +26,43 @@ def _along(origin, way, place):
 
 
 @called
-def _interval(points, begins, targets, cell, beside, origin, way):
-    """See `voronoi_lines.nearest_on_lines`: where on a whole line a generator is the nearest, and who is beyond."""
+def _interval(points, begins, targets, cell, beside, line, span):
+    """See `voronoi_lines.nearest_on_lines`: where in a span of a line a generator is the nearest, and who is beyond.
+
+    Most neighbours are farther at both ends of what is left of the span, by more than rounding, and so between them:
+    of these nothing more is asked.
+    """
+    origin, way = line
+    least, largest = span
+    near = ON_BORDER * (largest - least)
     here = place_of(points, cell)
     own = (2 * (here[0] - origin[0]), 2 * (here[1] - origin[1]), 2 * (here[2] - origin[2]))
     step = (-2 * way[0], -2 * way[1], -2 * way[2])
-    low, high, before, after = -np.inf, np.inf, targets[begins[cell]], targets[begins[cell]]
+    low, high, before, after = least - near, largest + near, NONE, NONE
     for place in range(begins[cell], begins[cell + 1]):
         other = targets[place]
-        if other == beside:
-            continue
         side = between(points, cell, other)
         gap = dot(side, side) + side[0] * own[0] + side[1] * own[1] + side[2] * own[2]
         slope = dot(side, step)
+        rounding = ROUNDING * abs(gap)
+        if (gap + low * slope > rounding and gap + high * slope > rounding) or other == beside:
+            continue
         if slope > 0:
             bound = -gap / slope
-            if bound > low:
-                low, before = bound, other
+            if bound > low or (bound == low and before < 0):
+                low, before = bound, np.int64(other)
         elif slope < 0:
             bound = -gap / slope
-            if bound < high:
-                high, after = bound, other
+            if bound < high or (bound == high and after < 0):
+                high, after = bound, np.int64(other)
         elif gap < 0 and high > -np.inf:
-            high, after = -np.inf, other
-    return low, high, before, after
+            high, after = -np.inf, np.int64(other)
+    return max(low, least), min(high, largest), before, after
 
 
 @called
 def _common_line(points, triangle, normal, low, high):
-    """See `boundary_division._common_lines`."""
+    """See `boundary_division._common_lines`; with the side of the triangle on which each end lies."""
     corner = place_of(points, triangle[0])
     across = between(points, low, high)
     upright = dot(across, normal)
@@ -69,9 +78,9 @@ def _common_line(points, triangle, normal, low, high):
         (points[high, 2] + points[low, 2]) / 2 - corner[2],
     )
     if square <= EPSILON * dot(across, across):
-        return corner, way, 0.0, 0.0
+        return corner, way, 0.0, 0.0, 0, 0
     origin = _along(corner, in_plane, dot(middle, across) / square)
-    least, largest = -np.inf, np.inf
+    least, largest, first_side, last_side = -np.inf, np.inf, 0, 0
     for k in range(3):
         i, j, opposite = triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]
         inward = cross(normal, between(points, i, j))
@@ -79,14 +88,16 @@ def _common_line(points, triangle, normal, low, high):
         inward = (inward[0] * sign, inward[1] * sign, inward[2] * sign)
         gap, slope = dot(inward, minus(origin, place_of(points, i))), dot(inward, way)
         if slope > 0:
-            least = max(least, -gap / slope)
+            if -gap / slope > least:
+                least, first_side = -gap / slope, k
         elif slope < 0:
-            largest = min(largest, -gap / slope)
+            if -gap / slope < largest:
+                largest, last_side = -gap / slope, k
         elif gap < 0:
             largest = -np.inf
     if not (np.isfinite(least) and np.isfinite(largest)):
-        return origin, way, 0.0, 0.0
-    return origin, way, least, largest
+        return origin, way, 0.0, 0.0, 0, 0
+    return origin, way, least, largest, first_side, last_side
 
 
 @called
@@ -138,13 +149,13 @@ def on_edges(points, begins, targets, ends):
         cell, goal = ends[edge, 0], ends[edge, 1]
         origin, way = place_of(points, cell), between(points, cell, goal)
         while cell != goal:
-            _, high, _, after = _interval(points, begins, targets, cell, NONE, origin, way)
-            if not high <= 1.0 + ON_BORDER:
+            _, high, _, after = _interval(points, begins, targets, cell, NONE, (origin, way), (0.0, 1.0))
+            if after < 0:
                 break
             found, places = with_room(found, n_found), with_room(places, n_found)
             found[n_found, 0] = edge
             found[n_found, 1] = (np.int64(min(cell, after)) << 32) | np.int64(max(cell, after))
-            places[n_found, 0] = max(min(high, 1.0), 0.0)
+            places[n_found, 0] = max(high, 0.0)
             n_found += 1
             cell = after
     return found[:n_found], places[:n_found]
@@ -159,8 +170,8 @@ def _start(points, begins, targets, triangle, pairs):
         cell, goal = min(one, other), max(one, other)
         origin, way = place_of(points, cell), between(points, cell, goal)
         while cell != goal:
-            _, high, _, after = _interval(points, begins, targets, cell, NONE, origin, way)
-            if not high <= 1.0 + ON_BORDER:
+            _, high, _, after = _interval(points, begins, targets, cell, NONE, (origin, way), (0.0, 1.0))
+            if after < 0:
                 break
             if _is_new(pairs, n_pairs, cell, after):
                 pairs, n_pairs = _add_pair(pairs, n_pairs, cell, after)
@@ -181,8 +192,17 @@ def with_room(values, size):
 
 
 @inlined
-def _is_new_place(owners, places, first, last, same):
-    """Whether the cells of the last row do not meet there in a row before it; who has them is sure if either is."""
+def _on_side(triangle, side):
+    """What an end on a side of a triangle is; see `boundary_division.Segments`."""
+    one, other = triangle[side], triangle[(side + 1) % 3]
+    return -1 - ((np.int64(min(one, other)) << 32) | np.int64(max(one, other)))
+
+
+@inlined
+def _row_of_place(owners, places, first, last, same):
+    """The row, the last or one before it, in which the cells of the last meet there; it is sure if either is, and of
+    places that differ by rounding it has the first.
+    """
     spot = place_of(places, last)
     for k in range(first, last):
         away = minus(spot, place_of(places, k))
@@ -193,8 +213,10 @@ def _is_new_place(owners, places, first, last, same):
             and dot(away, away) <= same * same
         ):
             owners[k, 4] |= owners[last, 4]
-            return False
-    return True
+            if spot < place_of(places, k):
+                places[k, 0], places[k, 1], places[k, 2] = spot
+            return k
+    return last
 
 
 def on_triangles(points, begins, targets, same, first, facets, outward):
@@ -206,11 +228,12 @@ def on_triangles(points, begins, targets, same, first, facets, outward):
     -------
     owners, places : (k, 5) int, (k, 3) float
         Where cells meet: three generators, the triangle, and whether it is sure.
-    pairs, segments : (s, 2) int, (s, 6) float
-        Key of two cells and the triangle, and the two ends of what they have in common there.
+    pairs, segments : (s, 4) int, (s, 6) float
+        Key of two cells, the triangle, and what each end of what they have in common there is: the number of a place
+        among those of the triangle, or -1 - the key of a side of the triangle; and the two ends.
     """
     owners, places, n_places = np.empty((64, 5), np.int64), np.empty((64, 3)), 0
-    keys, segments, n_segments = np.empty((64, 2), np.int64), np.empty((64, 6)), 0
+    keys, segments, n_segments = np.empty((64, 4), np.int64), np.empty((64, 6)), 0
     jobs = np.empty(16, np.int64)
     for facet in range(len(facets)):
         triangle = (facets[facet, 0], facets[facet, 1], facets[facet, 2])
@@ -221,20 +244,19 @@ def on_triangles(points, begins, targets, same, first, facets, outward):
             pair = jobs[done]
             done += 1
             one, other = pair >> 32, pair & BELOW
-            origin, way, least, largest = _common_line(points, triangle, normal, one, other)
-            low, high, before, after = _interval(points, begins, targets, one, other, origin, way)
+            origin, way, least, largest, first_side, last_side = _common_line(points, triangle, normal, one, other)
+            low, high, before, after = _interval(points, begins, targets, one, other, (origin, way), (least, largest))
             near = ON_BORDER * (largest - least)
-            before = before if low >= least - near else -1
-            after = after if high <= largest + near else -1
-            low, high = max(low, least), min(high, largest)
             if high > low:
                 keys, segments = with_room(keys, n_segments), with_room(segments, n_segments)
-                start, stop = _along(origin, way, low), _along(origin, way, high)
+                start, stop = _along(origin, way, high), _along(origin, way, low)
                 keys[n_segments, 0], keys[n_segments, 1] = pair, first + facet
+                keys[n_segments, 2] = _on_side(triangle, last_side)
+                keys[n_segments, 3] = _on_side(triangle, first_side)
                 for axis in range(3):
                     segments[n_segments, axis], segments[n_segments, 3 + axis] = start[axis], stop[axis]
                 n_segments += 1
-            for beyond, place in ((before, low), (after, high)):
+            for end, beyond, place in ((3, before, low), (2, after, high)):
                 if beyond < 0:
                     continue
                 if high > low:
@@ -244,7 +266,9 @@ def on_triangles(points, begins, targets, same, first, facets, outward):
                     row[3], row[4] = first + facet, min(place - least, largest - place) > near
                     spot = _along(origin, way, place)
                     places[n_places, 0], places[n_places, 1], places[n_places, 2] = spot
-                    n_places += _is_new_place(owners, places, first_place, n_places, same)
+                    found = _row_of_place(owners, places, first_place, n_places, same)
+                    keys[n_segments - 1, end] = found - first_place
+                    n_places += found == n_places
                 if high - low > -near:
                     for side in (one, other):
                         if _is_new(jobs, n_jobs, side, beyond) and _joined(begins, targets, side, beyond):

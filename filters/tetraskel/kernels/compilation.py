@@ -26,7 +26,7 @@ KERNELS = Path(__file__).resolve().parent
 # modules that compiled loops of other modules take functions or constants from
 SHARED = (
     *("compiled_heaps", "barycentric", "passage_widths", "polygon_slabs", "vector_loops"),
-    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops", "wall_loops"),
+    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops", "boundary_loops"),
 )
 
 logger = logging.getLogger("tetraskel")

@@ -1,4 +1,4 @@
-"""Voronoi faces cut by the object's boundary."""
+"""Voronoi faces cut by the object's boundary, where a walk around the parts (`voronoi_parts`) does not tell them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.compilation import numba_is_used
-from tetraskel.kernels.loops_in_python import gather_compiled
 from tetraskel.kernels.polygon_slabs import (
     BOTTOM,
     ENTER,
@@ -52,51 +50,6 @@ def clipped_faces(
     corners : (total, 3) float
     """
     plain = plain_edges(diagram, crossings, inside)
-    if not numba_is_used() or len(faces.keys) == 0:
-        return _clip_in_pieces(diagram, crossings, inside, plain, faces)
-    polygons, corners, unsure = _clip_compiled(diagram, crossings, inside, plain, faces)
-    rest = np.flatnonzero(unsure)
-    face, begins, others = _clip_in_pieces(diagram, crossings, inside, plain, faces.some(rest))
-    return _together((polygons[:, 0], polygons[:, 1], corners), (rest[face], np.diff(begins), others))
-
-
-def _together(*several: tuple[Ints, Ints, Floats]) -> tuple[Ints, Ints, Floats]:
-    """Polygons, given by their faces, how many corners each has, and these, in the order of their faces."""
-    face, counts, corners = (np.concatenate(column) for column in zip(*several, strict=True))
-    order = np.argsort(face, kind="stable")
-    starts = np.cumsum(counts) - counts
-    begins = np.concatenate([[0], np.cumsum(counts[order])])
-    rows = np.arange(begins[-1]) + np.repeat(starts[order] - begins[:-1], counts[order])
-    return face[order], begins, corners[rows]
-
-
-def _clip_compiled(
-    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, plain: Bools, faces: VoronoiFaces
-) -> tuple[Ints, Floats, Bools]:
-    """Row of the face and number of corners of each polygon, the corners, and the faces of which nothing is said."""
-    keys, segments, outward = crossings.by_face
-    bounds = np.stack([np.searchsorted(keys, faces.keys, side) for side in ("left", "right")], axis=1)
-    first_crossing = np.concatenate([[0], np.cumsum(np.bincount(crossings.edges, minlength=len(diagram.ends)))])
-    crossed = (first_crossing, crossings.places, crossings.entering)
-    x = diagram.coordinates
-    ball = np.append((x.max(axis=0) + x.min(axis=0)) / 2, BALL * diagram.size)
-    shown = (diagram.positions, diagram.ends, diagram.neighbors, diagram.edge_of_first_half)
-    given = (x, shown, (inside, plain), crossed, segments, outward, ball)
-    generators = faces.generators
-
-    def arguments_of(piece: slice) -> tuple:
-        starts = faces.starts[piece.start : piece.stop + 1]
-        wedges = faces.wedges[starts[0] : starts[-1]]
-        return (*given, piece.start, starts - starts[0], wedges, generators[piece], bounds[piece])
-
-    polygons, corners, unsure = gather_compiled("clip_loops.clipped", arguments_of, len(faces.keys), chunk=FACES)
-    return polygons, corners, unsure
-
-
-def _clip_in_pieces(
-    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, plain: Bools, faces: VoronoiFaces
-) -> tuple[Ints, Ints, Floats]:
-    """The same as `clipped_faces`, some faces at a time."""
     found, n, total = [], len(faces.keys), 0
     for first in range(0, n, FACES):
         chosen = np.arange(first, min(first + FACES, n))
@@ -211,7 +164,7 @@ def _boundary_walls(
     """Polygon, ends and kind of the boundary's segments on the faces."""
     if len(faces.keys) == 0:
         return np.empty(0, np.int64), np.empty((0, 2, 2)), np.empty(0, np.int64)
-    keys, segments, outward = crossings.by_face
+    keys, segments, outward, _ = crossings.segments
     first = np.searchsorted(keys, faces.keys[0])
     some = keys[first : np.searchsorted(keys, faces.keys[-1], "right")]
     place = np.searchsorted(faces.keys, some)

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
-from tetraskel.kernels.boundary_division import Met, on_edges, on_edges_compiled, on_triangles, on_triangles_compiled
+from tetraskel.kernels.boundary_division import (
+    Met,
+    Segments,
+    no_segments,
+    on_edges,
+    on_edges_compiled,
+    on_triangles,
+    on_triangles_compiled,
+)
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, outward_normals
@@ -25,6 +32,7 @@ LIKELY_BITS = 22
 # An edge that meets the boundary within this share of its length from an end does so at that end: the end lies on the
 # boundary up to rounding.
 AT_END = 1e-9
+LOST = np.iinfo(np.int64).min  # the end of a segment where cells only touch
 
 
 @dataclass(frozen=True)
@@ -45,12 +53,9 @@ class Crossings:
     touching : (m + h,) bool
         Positions of the diagram that lie on the boundary, up to rounding; in general position there are none. Nothing
         follows from such a vertex for those it is joined to.
-    faces : (s,) int
-        Keys (`edge_keys_of`) of the Delaunay edges dual to the Voronoi faces that cross the boundary.
-    segments : (s, 2, d) float
-        Straight pieces of the boundary on those faces.
-    outward : (s, d) float
-        Unit normal of the boundary there.
+    segments : Segments
+        Straight pieces of the boundary on Voronoi faces, ascending by these; their ends are crossings instead of rows
+        of `Met`, or `LOST`.
     """
 
     edges: Ints
@@ -59,15 +64,7 @@ class Crossings:
     entering: Bools
     sure: Bools
     touching: Bools
-    faces: Ints
-    segments: Floats
-    outward: Floats
-
-    @cached_property
-    def by_face(self) -> tuple[Ints, Floats, Floats]:
-        """`faces`, ascending, `segments` and `outward`."""
-        order = np.argsort(self.faces, kind="stable")
-        return self.faces[order], self.segments[order], self.outward[order]
+    segments: Segments
 
 
 def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
@@ -95,9 +92,8 @@ def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
         of_edge = np.empty(len(keys), np.int64)
         of_edge[np.searchsorted(keys, edge_keys_of(*facets.T))] = np.arange(len(facets))
         normals = outward[of_edge[lines]]
-        none = np.empty((0, 2, 2)), np.empty((0, 2))
         met = Met(np.stack(split_keys(pairs), axis=1), positions, normals, np.ones(len(pairs), bool))
-        return _sorted(diagram, met, np.empty(0, np.int64), *none)
+        return _sorted(diagram, met, no_segments(2))
     return _sorted(diagram, *on_triangles(neighbours, facets, outward, (keys, lines, pairs), tick))
 
 
@@ -115,7 +111,7 @@ def _corners(simplices: Ints, cells: Ints, opposite: Ints) -> Ints:
     return np.sort(simplices[cells][kept].reshape(len(cells), width - 1), axis=1)
 
 
-def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, outward: Floats) -> Crossings:
+def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     """Crossings in canonical order; those of generators that share no Voronoi edge (they only touch) are left out."""
     edges = _edges_of(diagram, met.generators)
     kept = edges >= 0
@@ -125,7 +121,7 @@ def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, ou
     length = np.einsum("ka,ka->k", way, way)
     places = np.einsum("ka,ka->k", positions - start, way) / np.where(length == 0, 1.0, length)
     entering = np.einsum("ka,ka->k", way, normals) < 0
-    order = _ranked(edges, places, entering, len(diagram.ends))
+    order = ranked(edges, places, entering, len(diagram.ends))
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
     entering, sure = entering[order], sure[order]
     # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
@@ -134,9 +130,35 @@ def _sorted(diagram: VoronoiDiagram, met: Met, faces: Ints, segments: Floats, ou
     first[1:] = (edges[1:] != edges[:-1]) | (entering[1:] != entering[:-1]) | away
     once = np.flatnonzero(first)
     sure = np.logical_or.reduceat(sure, once) if len(once) else sure
-    places, positions = places[once], positions[once]
+    chosen = _first_places(positions, once)
+    places, positions = places[chosen], positions[chosen]
     touching = _touched(diagram, positions[(places <= AT_END) | (places >= 1 - AT_END) | ~sure])
-    return Crossings(edges[once], places, positions, entering[once], sure, touching, faces, segments, outward)
+    number = np.full(len(kept), LOST)
+    number[np.flatnonzero(kept)[order]] = np.cumsum(first) - 1
+    segments = _by_face(segments, number, len(diagram.coordinates))
+    return Crossings(edges[once], places, positions, entering[once], sure, touching, segments)
+
+
+def _first_places(positions: Floats, begins: Ints) -> Ints:
+    """The row of the first position, in lexicographic order, of each run of rows."""
+    counts = np.diff(np.append(begins, len(positions)))
+    result, several = begins.copy(), np.flatnonzero(counts > 1)
+    run = np.repeat(several, counts[several])
+    rows = np.arange(len(run)) + np.repeat(begins[several] - (np.cumsum(counts[several]) - counts[several]), counts[several])
+    order = np.lexsort([*positions[rows].T[::-1], run])
+    ahead = order[np.diff(run[order], prepend=-1) != 0]
+    result[run[ahead]] = rows[ahead]
+    return result
+
+
+def _by_face(segments: Segments, number: Ints, n_points: int) -> Segments:
+    """The segments in the order of their faces, ends that were rows of `Met` as their numbers."""
+    low, high = split_keys(segments.faces)
+    order = ranked(low, high.astype(float), np.zeros(len(low), bool), n_points)
+    ends = segments.ends[order]
+    rows = ends >= 0
+    ends[rows] = number[ends[rows]]
+    return Segments(segments.faces[order], segments.places[order], segments.outward[order], ends)
 
 
 def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
@@ -147,7 +169,7 @@ def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
     return found_in(grid_keys(diagram.positions, step), grid_keys(touched, step))
 
 
-def _ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
+def ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
     """Order by edge, then place, then direction."""
     found = call_compiled("voronoi_loops.ranked", (edges, places, entering, n_edges))
     return np.asarray(np.lexsort([entering, places, edges]) if found is None else found)

@@ -8,13 +8,16 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
+from tetraskel.kernels.polygon_slabs import THIN
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, closed_rings, voronoi_faces
-from tetraskel.kernels.voronoi_lines import found_in
-from tetraskel.kernels.voronoi_sides import pieces_of_edges
+from tetraskel.kernels.voronoi_lines import found_in, split_keys
+from tetraskel.kernels.voronoi_parts import parts_of_faces
+from tetraskel.kernels.voronoi_sides import parts_of_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -50,7 +53,7 @@ class Elements:
     wedges: Ints | None = None
 
 
-def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, doubtful: Bools | None = None) -> VoronoiFaces:
+def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> VoronoiFaces:
     """Ordered Voronoi faces that have all their edges.
 
     Parameters
@@ -59,8 +62,6 @@ def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, doubtful: 
         Half-facets whose Voronoi edges are whole.
     crossed : (c,) int
         Keys of faces that are left out.
-    doubtful : (m,) bool, optional
-        A face all of whose vertices are doubtful is left out.
     """
     between = wedges_between(whole)
     faces = voronoi_faces(diagram, between)
@@ -68,10 +69,7 @@ def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, doubtful: 
         crossed = np.concatenate([crossed, voronoi_faces(diagram, ~between).keys])
     if len(crossed):
         faces = faces.some(np.flatnonzero(~found_in(faces.keys, crossed)))
-    faces = closed_rings(diagram, faces)
-    if doubtful is not None and doubtful.any():
-        faces = faces.some(np.flatnonzero(faces.any_of(~doubtful[faces.cells])))
-    return faces
+    return closed_rings(diagram, faces)
 
 
 def wedges_between(flags: Bools) -> Bools:
@@ -116,46 +114,99 @@ def separations(diagram: VoronoiDiagram, simplices: Ints) -> Floats:
     return found
 
 
-def with_pieces(diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools) -> Elements:
-    """The elements with the parts of Voronoi edges inside, in the plane."""
-    edges, places = pieces_of_edges(diagram, crossings, inside)
-    start, stop = diagram.positions[diagram.ends[edges, 0]], diagram.positions[diagram.ends[edges, 1]]
-    positions = start[:, None] + places[:, :, None] * (stop - start)[:, None]
-    generators = diagram.facet_points(edges)
-    number = np.full(len(diagram.positions), -1, np.int64)
+def with_pieces(
+    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, edges: Bools
+) -> Elements:
+    """The elements with the parts of Voronoi edges inside, in the plane; (f,) `edges` are wholly inside."""
+    edges, nodes, _ = parts_of_edges(diagram, crossings, inside, edges)
+    found, lines = _with_nodes(diagram, whole, crossings, nodes.ravel(), np.empty((0, 2)), np.empty(0, np.int64))
+    return replace(found, lines=lines.reshape(-1, 2), edges=edges)
+
+
+def with_polygons(
+    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, edges: Bools, faces: VoronoiFaces
+) -> Elements:
+    """The elements with the parts of Voronoi faces inside.
+
+    Parameters
+    ----------
+    edges : (f,) bool
+        Voronoi edges that are wholly inside.
+    faces : VoronoiFaces
+        All that have such a part, ordered.
+    """
+    parts, segments = parts_of_faces(diagram, crossings, inside, edges, faces), crossings.segments
+    rest, begins, corners = clipped_faces(diagram, crossings, inside, faces.some(parts.unsure))
+    n_segments = len(diagram.positions) + len(crossings.edges)
+    n_corners = n_segments + len(segments.faces)
+    places = np.concatenate([diagram.positions, crossings.positions, segments.places[:, 0], corners])
+    nodes = np.concatenate([parts.nodes, n_corners + np.arange(len(corners))])
+    face = np.concatenate([parts.faces, parts.unsure[rest]])
+    face, starts, nodes = _by_face(face, np.concatenate([parts.counts, np.diff(begins)]), nodes)
+    starts, nodes = _without_straight(places, starts, nodes, (nodes >= n_segments) & (nodes < n_corners))
+    owners = np.concatenate([split_keys(segments.faces)[0], faces.generators[parts.unsure[rest], 0].repeat(np.diff(begins))])
+    found, corners = _with_nodes(diagram, whole, crossings, nodes, places[n_segments:], owners)
+    return replace(found, offsets=starts, connectivity=corners, keys=faces.keys[face], wedges=None)
+
+
+def _by_face(face: Ints, counts: Ints, nodes: Ints) -> tuple[Ints, Ints, Ints]:
+    """Polygons in the order of their faces: these, where each begins, and the nodes."""
+    order = np.argsort(face, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(counts[order])])
+    if (np.diff(face) < 0).any():
+        before = (np.cumsum(counts) - counts)[order]
+        nodes = nodes[np.arange(len(nodes)) + np.repeat(before - starts[:-1], counts[order])]
+    return face[order], starts, nodes
+
+
+def _without_straight(places: Floats, starts: Ints, nodes: Ints, asked: Bools) -> tuple[Ints, Ints]:
+    """Polygons without those of the nodes asked that lie straight between the ones before and after."""
+    rows = np.flatnonzero(asked)
+    straight = np.zeros(len(nodes), bool)
+    before, after = np.arange(-1, len(nodes) - 1), np.arange(1, len(nodes) + 1)
+    before[starts[:-1]], after[starts[1:] - 1] = starts[1:] - 1, starts[:-1]
+
+    def work(piece: slice) -> None:
+        some = rows[piece]
+        here = places[nodes[some]]
+        back, ahead = here - places[nodes[before[some]]], places[nodes[after[some]]] - here
+        turn = np.cross(back, ahead)
+        straight[some] = dots(turn, turn) <= THIN**2 * dots(back, back) * dots(ahead, ahead)
+
+    for_chunks(work, len(rows))
+    if not straight.any():
+        return starts, nodes
+    return np.concatenate([[0], np.cumsum(~straight)])[starts], nodes[~straight]
+
+
+def _with_nodes(
+    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, nodes: Ints, spots: Floats, owners: Ints
+) -> tuple[Elements, Ints]:
+    """The elements with points for the nodes that are cut, and (k,) the point of each node.
+
+    Parameters
+    ----------
+    nodes : (k,) int
+        Voronoi vertices that are among the elements, after all positions of the diagram crossings, after these spots,
+        each of them once.
+    owners : (s,) int
+        A generator nearest to each of the spots.
+    """
+    n_positions, n_others = len(diagram.positions), len(diagram.positions) + len(crossings.edges)
+    number = np.empty(n_others + len(spots), np.int64)
     number[whole.cells] = np.arange(len(whole.cells))
-    vertex = number[diagram.ends[edges]]
-    own = (places == [0.0, 1.0]) & (vertex >= 0)
-    added = np.flatnonzero(~own.ravel())
-    lines = np.where(own, vertex, 0).ravel()
-    lines[added] = len(whole.points) + np.arange(len(added))
-    points = positions.reshape(-1, 2)[added]
-    away = points - diagram.coordinates[generators[added // 2, 0]]
-    return replace(
+    crossed = np.zeros(len(crossings.edges), bool)
+    crossed[nodes[(nodes >= n_positions) & (nodes < n_others)] - n_positions] = True
+    at_crossing, at_spot = np.flatnonzero(crossed), nodes[nodes >= n_others] - n_others
+    added = np.concatenate([n_positions + at_crossing, n_others + at_spot])
+    number[added] = len(whole.cells) + np.arange(len(added))
+    points = np.concatenate([crossings.positions[at_crossing], spots[at_spot]])
+    generators = np.concatenate([diagram.facet_points(crossings.edges[at_crossing])[:, 0], owners[at_spot]])
+    away = points - diagram.coordinates[generators]
+    found = replace(
         whole,
         points=np.concatenate([whole.points, points]),
         radius=np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
         cells=np.concatenate([whole.cells, np.full(len(added), -1)]),
-        lines=lines.reshape(-1, 2),
-        edges=edges,
     )
-
-
-def with_polygons(
-    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, cut: VoronoiFaces
-) -> Elements:
-    """The elements with the parts inside of the faces that the boundary cuts."""
-    face, starts, corners = clipped_faces(diagram, crossings, inside, cut)
-    generators = cut.generators[face]
-    away = corners - diagram.coordinates[np.repeat(generators[:, 0], np.diff(starts))]
-    n_whole = len(whole.points)
-    return replace(
-        whole,
-        points=np.concatenate([whole.points, corners]),
-        radius=np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
-        cells=np.concatenate([whole.cells, np.full(len(corners), -1)]),
-        offsets=np.concatenate([whole.offsets, starts[1:] + whole.offsets[-1]]),
-        connectivity=np.concatenate([whole.connectivity, n_whole + np.arange(len(corners))]),
-        keys=np.concatenate([whole.keys, cut.keys[face]]),
-        wedges=None,
-    )
+    return found, number[nodes]

@@ -12,7 +12,7 @@ from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_lines import split_keys
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -109,7 +109,7 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
         Tetrahedra at their edges, in the order of EDGES.
     """
     if diagram.stars is not None:
-        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted)
+        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted, np.empty(0, np.int64), False)
         return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments))
     edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
     wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
@@ -131,6 +131,22 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     begins = np.flatnonzero(np.diff(ranked, prepend=-1) != 0)
     keys = ((ranked[begins] >> edge_bits) << 32) | (ranked[begins] & ((1 << edge_bits) - 1))
     return VoronoiFaces(keys, np.append(begins, len(ranked)), ring)
+
+
+def faces_of_any(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
+    """The same with whole rings: all wedges at the edges of those wanted, and of edges by their keys, ascending."""
+    if diagram.stars is not None:
+        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted, also, True)
+        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments))
+    x = diagram.simplices
+    keys = [edge_keys_of(x[wanted[:, s], i], x[wanted[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
+    asked = np.concatenate([*keys, also])
+    at_end = np.zeros(len(diagram.coordinates), bool)
+    for end in split_keys(asked):
+        at_end[end] = True
+    around = at_end[x]
+    faces = voronoi_faces(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
+    return faces.some(np.flatnonzero(found_in(faces.keys, asked)))
 
 
 def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:

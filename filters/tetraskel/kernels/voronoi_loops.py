@@ -116,8 +116,8 @@ def ranked(groups, values, last, n_groups):
     return order
 
 
-def edges_and_wedges(simplices, signs, starts, cells, wanted):
-    """See `voronoi_faces.voronoi_faces`.
+def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete):
+    """See `voronoi_faces.voronoi_faces`, and, where complete, `voronoi_faces.faces_of_any`.
 
     Strategy: the simplices around a point name its edges to larger points; each new name gets a list, and only the few
     names are sorted.
@@ -125,30 +125,33 @@ def edges_and_wedges(simplices, signs, starts, cells, wanted):
     n_points, n_wedges, most = len(starts) - 1, 0, 0
     for i in range(len(wanted)):
         for slot in range(6):
-            n_wedges += wanted[i, slot]
+            n_wedges += complete or wanted[i, slot]
     for point in range(n_points):
         most = max(most, 3 * (starts[point + 1] - starts[point]))
     keys, begins, wedges = np.empty(n_wedges, np.int64), np.zeros(n_wedges + 1, np.int64), np.empty(n_wedges, np.int64)
-    number = np.full(
-        n_points, -1, np.int64
-    )  # of an edge at the point, by its other end; below `first` it is of another
+    number = np.full(n_points, -1, np.int64)  # of an edge, by its other end; below `first` it is of another point
     others, ends = np.empty(most, np.int64), np.empty(most, np.int64)
     listed, owner = np.empty(most, np.int64), np.empty(most, np.int64)
-    first, n_wedges = 0, 0
+    first, n_wedges, n_also = 0, 0, 0
     for point in range(n_points):
         n, n_edges = 0, 0
+        while n_also < len(also) and also[n_also] >> 32 == point:
+            other = also[n_also] & 0xFFFFFFFF
+            if number[other] < first:
+                n_edges = _add_edge(number, others, ends, first, n_edges, other)
+            n_also += 1
         for place in range(starts[point], starts[point + 1]):
-            cell, here = np.int64(cells[place]), 0
-            while simplices[cell, here] != point:
-                here += 1
+            cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
+            for k in range(4):
+                other = simplices[cell, k]
+                if other > point and number[other] < first and wanted[cell, SLOTS[here, k]]:
+                    n_edges = _add_edge(number, others, ends, first, n_edges, other)
+        for place in range(starts[point], starts[point + 1]):
+            cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
             for k in range(4):
                 other, slot = simplices[cell, k], SLOTS[here, k]
-                if other <= point or not wanted[cell, slot]:
+                if other <= point or number[other] < first or not (complete or wanted[cell, slot]):
                     continue
-                if number[other] < first:
-                    number[other] = first + n_edges
-                    others[n_edges], ends[n_edges] = other, 0
-                    n_edges += 1
                 owner[n] = number[other] - first
                 listed[n] = (cell << WEDGE_BITS) | (2 * slot + ((here > k) != (signs[cell] < 0)))
                 ends[owner[n]] += 1
@@ -159,7 +162,24 @@ def edges_and_wedges(simplices, signs, starts, cells, wanted):
             ends[owner[i]] += 1
         first, n_wedges = first + n_edges, n_wedges + n
     begins[first] = n_wedges
-    return keys[:first], begins[: first + 1], wedges
+    return keys[:first], begins[: first + 1], wedges[:n_wedges]
+
+
+@inlined
+def _corner(simplices, cell, point):
+    """Which corner of a tetrahedron a point is."""
+    here = 0
+    while simplices[cell, here] != point:
+        here += 1
+    return here
+
+
+@inlined
+def _add_edge(number, others, ends, first, n_edges, other):
+    """Number an edge by its other end; how many there are."""
+    number[other] = first + n_edges
+    others[n_edges], ends[n_edges] = other, 0
+    return n_edges + 1
 
 
 @inlined

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import barycentric_coordinates
-from tetraskel.kernels.voronoi_crossings import AT_END, Crossings
+from tetraskel.kernels.voronoi_crossings import AT_END, Crossings, ranked
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.walking import walk_to
 
@@ -170,22 +170,40 @@ def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edge
     return result
 
 
-def pieces_of_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) -> tuple[Ints, Floats]:
-    """Parts of Voronoi edges inside the object: their edges (s,), and first and last place on them (s, 2).
+def parts_of_edges(
+    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools
+) -> tuple[Ints, Ints, Floats]:
+    """Parts of Voronoi edges inside the object, along each edge.
 
     Between two crossings lies the object where the edge enters at the first and leaves at the second.
+
+    Parameters
+    ----------
+    whole : (f,) bool
+        Edges of which all is inside.
+
+    Returns
+    -------
+    edges : (s,) int
+    nodes : (s, 2) int
+        What a part begins and ends with: a position of the diagram, or after all these a crossing.
+    places : (s, 2) float
+        The same as shares of the way along the edge.
     """
-    edges, places, entering = crossings.edges, crossings.places, crossings.entering
-    crossed = np.zeros(len(diagram.ends), bool)
-    crossed[edges] = True
-    whole = np.flatnonzero(inside[diagram.ends[:, 0]] & inside[diagram.ends[:, 1]] & ~crossed)
+    edges, ends, entering = crossings.edges, diagram.ends, crossings.entering
     begins, finishes = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
-    from_first = np.flatnonzero(begins & ~entering & inside[diagram.ends[edges, 0]])
-    to_last = np.flatnonzero(finishes & entering & inside[diagram.ends[edges, 1]])
-    between = np.flatnonzero(entering[:-1] & ~entering[1:] & ~begins[1:])
-    found = np.concatenate([whole, edges[from_first], edges[to_last], edges[between]])
-    start = np.concatenate([np.zeros(len(whole) + len(from_first)), places[to_last], places[between]])
-    stop = np.concatenate([np.ones(len(whole)), places[from_first], np.ones(len(to_last)), places[between + 1]])
-    order = np.lexsort([start, found])
-    kept = order[(stop > start)[order]]
-    return found[kept], np.stack([start[kept], stop[kept]], axis=1)
+    cut = ~whole[edges]
+    of_whole = np.flatnonzero(whole)
+    from_first = np.flatnonzero(cut & begins & ~entering & inside[ends[edges, 0]])
+    to_last = np.flatnonzero(cut & finishes & entering & inside[ends[edges, 1]])
+    between = np.flatnonzero(cut[:-1] & entering[:-1] & ~entering[1:] & ~begins[1:])
+    found = np.concatenate([of_whole, edges[from_first], edges[to_last], edges[between]])
+    node = len(diagram.positions) + np.arange(len(edges))
+    start = np.concatenate([ends[of_whole, 0], ends[edges[from_first], 0], node[to_last], node[between]])
+    stop = np.concatenate([ends[of_whole, 1], node[from_first], ends[edges[to_last], 1], node[between + 1]])
+    shares = np.concatenate([np.zeros(len(diagram.positions)), crossings.places])
+    first = shares[start]
+    last = np.where(stop < len(diagram.positions), 1.0, shares[stop])
+    order = ranked(found, first, np.zeros(len(found), bool), len(ends))
+    kept = order[(last > first)[order]]
+    return found[kept], np.stack([start[kept], stop[kept]], axis=1), np.stack([first[kept], last[kept]], axis=1)

@@ -20,16 +20,8 @@ from tetraskel.kernels.interior import inside_by_labels
 from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, without_flat_rim
-from tetraskel.kernels.voronoi_elements import (
-    Elements,
-    of_cells,
-    wedges_between,
-    whole_faces,
-    with_pieces,
-    with_polygons,
-)
-from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, ordered, voronoi_faces
-from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
+from tetraskel.kernels.voronoi_elements import Elements, of_cells, whole_faces, with_pieces, with_polygons
+from tetraskel.kernels.voronoi_faces import EDGES, faces_of_any, ordered
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton, merged, simplified
 from tetraskel.options import VoronoiOptions
@@ -109,7 +101,7 @@ def _sk1(diagram: VoronoiDiagram, tick: Tick) -> Elements:
 def _sk3(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     crossings, inside = _crossings_and_sides(diagram, tick)
     whole = edges_wholly_inside(diagram, crossings, inside)
-    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.faces)
+    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.segments.faces)
     return of_cells(diagram, np.flatnonzero(inside[: len(diagram.simplices)]), np.flatnonzero(whole), faces)
 
 
@@ -122,38 +114,16 @@ def _sk4(diagram: VoronoiDiagram, tick: Tick) -> Elements:
 
 def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     crossings, inside = _crossings_and_sides(diagram, tick)
-    cells = np.flatnonzero(inside[: len(diagram.simplices)])
+    of_simplices = inside[: len(diagram.simplices)]
+    vertices = of_cells(diagram, np.flatnonzero(of_simplices), np.empty(0, np.int64), None)
+    edges = edges_wholly_inside(diagram, crossings, inside)
     if diagram.dim == 2:
-        return with_pieces(diagram, of_cells(diagram, cells, np.empty(0, np.int64), None), crossings, inside)
-    whole = diagram.on_halves(edges_wholly_inside(diagram, crossings, inside))
-    touching = crossings.touching[: len(diagram.simplices)]
-    faces = whole_faces(diagram, whole, crossings.faces, touching)  # nothing is known of a face that only touches
+        return with_pieces(diagram, vertices, crossings, inside, edges)
     tick(0.7)
-    cut = ordered(diagram, _cut_faces(diagram, crossings, inside, whole, touching, faces.keys))
+    wanted = np.repeat(of_simplices[:, None], len(EDGES), axis=1)
+    faces = ordered(diagram, faces_of_any(diagram, wanted, crossings.segments.faces))
     tick(0.8)
-    return with_polygons(diagram, of_cells(diagram, cells, np.empty(0, np.int64), faces), crossings, inside, cut)
-
-
-def _cut_faces(
-    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools, touching: Bools, taken: Ints
-) -> VoronoiFaces:
-    """Faces beside those `taken` that have a part inside, or of which nothing is known.
-
-    On the way around such a face from a vertex inside there is a last one before an edge that is not whole.
-    """
-    cells = np.flatnonzero(inside[: len(diagram.simplices)] & (~np.logical_and.reduce(list(whole.T)) | touching))
-    known = wedges_between(whole[cells]) & ~touching[cells, None]
-    simplices = diagram.simplices[cells]
-    keys = [
-        edge_keys_of(simplices[~known[:, s], i], simplices[~known[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)
-    ]
-    wanted = np.concatenate([*keys, crossings.faces])
-    at_end = np.zeros(len(diagram.coordinates), bool)
-    for end in split_keys(wanted):
-        at_end[end] = True
-    around = at_end[diagram.simplices]
-    faces = voronoi_faces(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
-    return faces.some(np.flatnonzero(found_in(faces.keys, wanted) & ~found_in(faces.keys, taken)))
+    return with_polygons(diagram, vertices, crossings, inside, edges, faces)
 
 
 METHODS: dict[str, Callable[[VoronoiDiagram, Tick], Elements]] = {"sk1": _sk1, "sk2": _sk2, "sk3": _sk3, "sk4": _sk4}

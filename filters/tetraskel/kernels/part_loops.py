@@ -1,0 +1,139 @@
+"""Walks around the parts of Voronoi faces, one face after another, for numba to compile.
+
+The same as array operations is in `voronoi_parts`, for where there is no numba, and the results are equal. Imported
+only where numba is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tetraskel.kernels.boundary_loops import with_room
+from tetraskel.kernels.compilation import called, inlined, inner
+from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, WEDGE_BITS
+
+BEGIN, END, NODE = 0, 1, 2  # columns of ways: what they begin and end at, and the node they begin with
+
+
+@inlined
+def _edge_of(neighbors, edge_of_first_half, half):
+    """The Voronoi edge of a facet of a simplex, simplex * 4 + opposite vertex."""
+    cell, beyond = half >> 2, neighbors[half >> 2, half & 3]
+    if beyond > cell:
+        for k in range(4):
+            if neighbors[beyond, k] == cell:
+                return np.int64(edge_of_first_half[4 * np.int64(beyond) + k])
+    return np.int64(edge_of_first_half[half])
+
+
+@called
+def _own_ways(mesh, known, touching, parts, wedges, ways):
+    """The ways along a face's own edges, where these are inside; how many, -1 where something is not known."""
+    neighbors, ends, edge_of_first_half = mesh
+    first_part, nodes = parts
+    n, m, sure = 0, len(neighbors), False
+    for i in range(len(wedges)):
+        sure |= not touching[wedges[i] >> WEDGE_BITS]
+    if not sure:
+        return np.int64(-1)
+    for turn in range(2):  # the rays that open faces come last
+        for i in range(len(wedges)):
+            cell, corner = wedges[i] >> WEDGE_BITS, wedges[i] & ((1 << WEDGE_BITS) - 1)
+            half = 4 * cell + (AHEAD[corner] if turn == 0 else BEHIND[corner])
+            if turn == 1 and neighbors[cell, half & 3] >= 0:
+                continue
+            edge = _edge_of(neighbors, edge_of_first_half, half)
+            if not known[edge]:
+                return np.int64(-1)
+            first, last = first_part[edge], first_part[edge + 1]
+            forward = (ends[edge, 0] == cell or ends[edge, 1] >= m) != (turn == 1)
+            for k in range(last - first):
+                part = first + k if forward else last - 1 - k
+                ways[n, BEGIN], ways[n, END] = nodes[part, 0 if forward else 1], nodes[part, 1 if forward else 0]
+                ways[n, NODE] = ways[n, BEGIN]
+                n += 1
+    return np.int64(n)
+
+
+@called
+def _follow(ways, n, after):
+    """Find the way after each; whether there is one for all, and each is after one."""
+    for i in range(n):
+        after[i, 1] = 0
+        for j in range(i):
+            if ways[j, BEGIN] == ways[i, BEGIN]:
+                return False
+    for i in range(n):
+        found = i + 1 if i + 1 < n else 0  # the next one is the likeliest
+        if ways[found, BEGIN] != ways[i, END]:
+            found = 0
+            while found < n and ways[found, BEGIN] != ways[i, END]:
+                found += 1
+        if found == n or after[found, 1] != 0:
+            return False
+        after[i, 0], after[found, 1] = found, 1
+    return True
+
+
+@inner
+def _rounds(ways, n, n_own, after, first_row, polygons, n_polygons, nodes, n_nodes):
+    """Write the ways around, those with a way along an own edge, as polygons; False if others are left."""
+    begun, written = n_polygons, n_nodes
+    polygons, nodes = with_room(polygons, n_polygons + n), with_room(nodes, n_nodes + n)
+    left = n
+    for head in range(n_own):
+        if after[head, 1] == 2:
+            continue
+        i, count = head, 0
+        while after[i, 1] != 2:
+            nodes[written + count, 0] = ways[i, NODE]
+            after[i, 1] = 2
+            i = after[i, 0]
+            count += 1
+        left -= count
+        if count >= 3:
+            polygons[begun, 0], polygons[begun, 1] = first_row, count
+            begun += 1
+            written += count
+    if left:
+        return False, polygons, n_polygons, nodes, n_nodes
+    return True, polygons, begun, nodes, written
+
+
+def walked(mesh, known, touching, parts, most_parts, ends, n_nodes, first_row, starts, wedges, bounds):
+    """See `voronoi_parts`: the parts inside of some faces, whose rows begin with `first_row`.
+
+    Returns
+    -------
+    polygons : (p, 2) int
+        Row of the face, and how many corners.
+    nodes : (total, 1) int
+    unsure : (q,) bool
+        Faces of which it cannot be told.
+    """
+    n_faces = len(starts) - 1
+    unsure = np.zeros(n_faces, np.bool_)
+    polygons, n_polygons = np.empty((n_faces + 1, 2), np.int64), 0
+    nodes, n_found = np.empty((4 * n_faces + 64, 1), np.int64), 0
+    most = 0
+    for face in range(n_faces):
+        most = max(most, (starts[face + 1] - starts[face] + 1) * most_parts + bounds[face, 1] - bounds[face, 0])
+    ways, after = np.empty((most, 3), np.int64), np.empty((most, 2), np.int64)
+    for face in range(n_faces):
+        own = wedges[starts[face] : starts[face + 1]]
+        n = _own_ways(mesh, known, touching, parts, own, ways)
+        n_own = n
+        unsure[face] = n < 0
+        if n < 0:
+            continue
+        for i in range(bounds[face, 0], bounds[face, 1]):
+            ways[n, BEGIN], ways[n, END] = ends[i, 0], ends[i, 1]
+            ways[n, NODE] = ends[i, 0] if ends[i, 0] >= 0 else n_nodes + i
+            n += 1
+        sure = _follow(ways, n, after)
+        if sure:
+            sure, polygons, n_polygons, nodes, n_found = _rounds(
+                ways, n, n_own, after, first_row + face, polygons, n_polygons, nodes, n_found
+            )
+        unsure[face] = not sure
+    return polygons[:n_polygons], nodes[:n_found], unsure
