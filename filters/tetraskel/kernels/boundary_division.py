@@ -30,6 +30,9 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 
+TRIANGLES = 1 << 14  # at a time: those of a piece know the same neighbours
+
+
 class Met(NamedTuple):
     """Places where d cells meet on the boundary, the boundary's normal there, and whether it is within a facet."""
 
@@ -120,24 +123,24 @@ def _not_yet(keys: NDArray[np.uint64], seen: NDArray[np.uint64]) -> Ints:
     return np.asarray(first[seen[np.minimum(np.searchsorted(seen, once), len(seen) - 1)] != once])
 
 
-def on_edges_compiled(around: tuple[Floats, Ints, Ints], keys: Ints) -> tuple[Ints, Ints, Floats]:
+def on_edges_compiled(around: tuple[Floats, Ints, Ints, Ints], keys: Ints) -> tuple[Ints, Ints, Floats]:
     """The same as `on_edges`, by numba, in the plane: an edge is done before the next.
 
     Parameters
     ----------
-    around : (n, 2) float, (n+1,) int, (total,) int
-        Points, where the neighbours of each begin, and these.
+    around : (n, 2) float, (m, 3) int, (n+1,) int, (total,) int
+        Points, simplices, where the simplices around each point begin, and these.
     """
-    coordinates, begins, targets = around
+    coordinates, *star = around
     in_space = np.column_stack([coordinates, np.zeros(len(coordinates))])
     ends = np.stack(split_keys(keys), axis=1)
-    found, places = call_compiled("boundary_loops.on_edges", (in_space, begins, targets, ends))
+    found, places = call_compiled("boundary_loops.on_edges", (in_space, *star, ends))
     order = np.lexsort([places[:, 0], found[:, 1], found[:, 0]])
     return found[order, 0], found[order, 1], places[order, 0]
 
 
 def on_triangles_compiled(
-    around: tuple[Floats, Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
+    around: tuple[Floats, Ints, Ints, Ints], same: float, facets: Ints, outward: Floats, tick: Tick
 ) -> tuple[Met, Segments]:
     """The same as `on_triangles`, by numba: a triangle is done before the next, its edges with it.
 
@@ -148,6 +151,7 @@ def on_triangles_compiled(
         lambda piece: (*around, same, piece.start, facets[piece], outward[piece]),
         len(facets),
         tick,
+        TRIANGLES,
     )
     found = Met(met[:, :3], spots, outward[met[:, 3]], met[:, 4] != 0)
     counts = np.bincount(met[:, 3], minlength=len(facets))

@@ -16,6 +16,7 @@ from tetraskel.kernels.voronoi_loops import turn
 
 EPSILON = np.finfo(np.float64).eps
 NONE = np.int64(-1)
+TARGETS, PLACES, SEGMENTS = 0, 1, 2  # what is counted: neighbours that are known, places, segments
 BELOW = np.int64(0xFFFFFFFF)
 ROUNDING = 1e-12  # relative, of a sum of products: well above what is lost
 
@@ -26,20 +27,49 @@ def _along(origin, way, place):
 
 
 @called
-def _interval(points, begins, targets, cell, beside, line, span):
+def _learn(star, known, used, cell):
+    """Append the Delaunay neighbours of a point to those known, if they are not; False where there is no room.
+
+    Those above the point come first, then those below it, as in `voronoi_lines.Neighbours`: the first of equals counts.
+    """
+    simplices, starts, cells = star
+    begins, seen, targets = known
+    if begins[cell, 0] >= 0:
+        return True
+    n_points, size = len(starts) - 1, used[TARGETS]
+    if size + simplices.shape[1] * (starts[cell + 1] - starts[cell]) > len(targets):
+        return False
+    begins[cell, 0] = size
+    for place in range(starts[cell], starts[cell + 1]):
+        for k in range(simplices.shape[1]):
+            other = simplices[cells[place], k]
+            if other != cell and seen[other] != cell:
+                seen[other] = cell
+                j = size
+                while j > begins[cell, 0] and turn(n_points, cell, targets[j - 1]) > turn(n_points, cell, other):
+                    targets[j] = targets[j - 1]
+                    j -= 1
+                targets[j] = other
+                size += 1
+    begins[cell, 1] = used[TARGETS] = size
+    return True
+
+
+@called
+def _interval(points, known, cell, beside, line, span):
     """See `voronoi_lines.nearest_on_lines`: where in a span of a line a generator is the nearest, and who is beyond.
 
     Most neighbours are farther at both ends of what is left of the span, by more than rounding, and so between them:
     of these nothing more is asked.
     """
-    origin, way = line
-    least, largest = span
+    begins, _, targets = known
+    (origin, way), (least, largest) = line, span
     near = ON_BORDER * (largest - least)
     here = place_of(points, cell)
     own = (2 * (here[0] - origin[0]), 2 * (here[1] - origin[1]), 2 * (here[2] - origin[2]))
     step = (-2 * way[0], -2 * way[1], -2 * way[2])
     low, high, before, after = least - near, largest + near, NONE, NONE
-    for place in range(begins[cell], begins[cell + 1]):
+    for place in range(begins[cell, 0], begins[cell, 1]):
         other = targets[place]
         side = between(points, cell, other)
         gap = dot(side, side) + side[0] * own[0] + side[1] * own[1] + side[2] * own[2]
@@ -101,82 +131,39 @@ def _common_line(points, triangle, normal, low, high):
 
 
 @called
-def _joined(begins, targets, one, other):
-    """Whether two points are neighbours."""
-    least, most, n_points = begins[one], begins[one + 1], len(begins) - 1
+def _joined(known, one, other):
+    """Whether a point, the neighbours of which are known, has another among them."""
+    begins, _, targets = known
+    least, most, n_points = begins[one, 0], begins[one, 1], len(begins)
     while least < most:
         middle = (least + most) // 2
         if turn(n_points, one, targets[middle]) < turn(n_points, one, other):
             least = middle + 1
         else:
             most = middle
-    return least < begins[one + 1] and targets[least] == other
+    return least < begins[one, 1] and targets[least] == other
+
+
+@inlined
+def _pair(one, other):
+    """Two cells as one number."""
+    return (np.int64(min(one, other)) << 32) | np.int64(max(one, other))
 
 
 @inlined
 def _is_new(pairs, n_pairs, one, other):
     """Whether a pair of cells is not among the first ones of these."""
-    pair = (np.int64(min(one, other)) << 32) | np.int64(max(one, other))
+    pair = _pair(one, other)
     for k in range(n_pairs):  # noqa: SIM110 (numba has no generators here)
-        if pairs[k] == pair:
+        if pairs[k, 0] == pair:
             return False
     return True
 
 
 @inner
-def _add_pair(pairs, n_pairs, one, other):
-    """Append a pair of cells as one number; the pairs, perhaps in a larger array, and how many."""
-    pair = (np.int64(min(one, other)) << 32) | np.int64(max(one, other))
-    if n_pairs == len(pairs):
-        larger = np.empty(2 * n_pairs, np.int64)
-        for k in range(n_pairs):
-            larger[k] = pairs[k]
-        pairs = larger
-    pairs[n_pairs] = pair
-    return pairs, n_pairs + 1
-
-
-def on_edges(points, begins, targets, ends):
-    """See `boundary_division.on_edges`: edges, pairs of cells, and places, edge by edge.
-
-    Parameters
-    ----------
-    ends : (k, 2) int
-        Points of each edge; points of the plane have a third coordinate 0.
-    """
-    found, places, n_found = np.empty((len(ends) + 64, 2), np.int64), np.empty((len(ends) + 64, 1)), 0
-    for edge in range(len(ends)):
-        cell, goal = ends[edge, 0], ends[edge, 1]
-        origin, way = place_of(points, cell), between(points, cell, goal)
-        while cell != goal:
-            _, high, _, after = _interval(points, begins, targets, cell, NONE, (origin, way), (0.0, 1.0))
-            if after < 0:
-                break
-            found, places = with_room(found, n_found), with_room(places, n_found)
-            found[n_found, 0] = edge
-            found[n_found, 1] = (np.int64(min(cell, after)) << 32) | np.int64(max(cell, after))
-            places[n_found, 0] = max(high, 0.0)
-            n_found += 1
-            cell = after
-    return found[:n_found], places[:n_found]
-
-
-@inner
-def _start(points, begins, targets, triangle, pairs):
-    """Pairs of cells that meet on the sides of a triangle; see `boundary_division.on_edges`."""
-    n_pairs = 0
-    for k in range(3):
-        one, other = triangle[k], triangle[(k + 1) % 3]
-        cell, goal = min(one, other), max(one, other)
-        origin, way = place_of(points, cell), between(points, cell, goal)
-        while cell != goal:
-            _, high, _, after = _interval(points, begins, targets, cell, NONE, (origin, way), (0.0, 1.0))
-            if after < 0:
-                break
-            if _is_new(pairs, n_pairs, cell, after):
-                pairs, n_pairs = _add_pair(pairs, n_pairs, cell, after)
-            cell = after
-    return pairs, n_pairs
+def _nothing_known(n_points):
+    """Where the neighbours of each point begin and end, of whom a point was last seen as one, and room for some."""
+    return np.full((n_points, 2), -1), np.full(n_points, -1, np.int32), np.empty(1 << 12, np.int32)
 
 
 @inner
@@ -191,11 +178,54 @@ def with_room(values, size):
     return larger
 
 
+@inner
+def _with_more(known):
+    """The same with room for twice as many neighbours."""
+    begins, seen, targets = known
+    more = np.empty(2 * len(targets), np.int32)
+    for k in range(len(targets)):
+        more[k] = targets[k]
+    return begins, seen, more
+
+
+@called
+def _along_edge(points, star, known, used, edge, ends, found, places):
+    """Write where the cells along an edge meet; False where there is no room, with what is used not told."""
+    cell, goal = ends[edge, 0], ends[edge, 1]
+    line, n = (place_of(points, cell), between(points, cell, goal)), used[PLACES]
+    while cell != goal:
+        if n == len(found) or not _learn(star, known, used, cell):
+            return False
+        _, high, _, after = _interval(points, known, cell, NONE, line, (0.0, 1.0))
+        if after < 0:
+            break
+        found[n, 0], found[n, 1], places[n, 0] = edge, _pair(cell, after), max(high, 0.0)
+        n += 1
+        cell = after
+    used[PLACES] = n
+    return True
+
+
+def on_edges(points, simplices, starts, cells, ends):
+    """See `boundary_division.on_edges`: edges, pairs of cells, and places, edge by edge.
+
+    Parameters
+    ----------
+    ends : (k, 2) int
+        Points of each edge; points of the plane have a third coordinate 0.
+    """
+    found, places = np.empty((len(ends) + 64, 2), np.int64), np.empty((len(ends) + 64, 1))
+    star, known, used = (simplices, starts, cells), _nothing_known(len(points)), np.zeros(3, np.int64)
+    for edge in range(len(ends)):
+        while not _along_edge(points, star, known, used, edge, ends, found, places):
+            known, found, places = _with_more(known), with_room(found, len(found)), with_room(places, len(places))
+    return found[: used[PLACES]], places[: used[PLACES]]
+
+
 @inlined
 def _on_side(triangle, side):
     """What an end on a side of a triangle is; see `boundary_division.Segments`."""
-    one, other = triangle[side], triangle[(side + 1) % 3]
-    return -1 - ((np.int64(min(one, other)) << 32) | np.int64(max(one, other)))
+    return -1 - _pair(triangle[side], triangle[(side + 1) % 3])
 
 
 @inlined
@@ -219,7 +249,75 @@ def _row_of_place(owners, places, first, last, same):
     return last
 
 
-def on_triangles(points, begins, targets, same, first, facets, outward):
+@called
+def _on_sides(points, star, known, used, triangle, jobs):
+    """Pairs of cells that meet on the sides of a triangle, see `boundary_division.on_edges`: how many, -1 where there
+    is no room.
+    """
+    n_jobs = 0
+    for k in range(3):
+        cell, goal = min(triangle[k], triangle[(k + 1) % 3]), max(triangle[k], triangle[(k + 1) % 3])
+        line = place_of(points, cell), between(points, cell, goal)
+        while cell != goal:
+            if n_jobs == len(jobs) or not _learn(star, known, used, cell):
+                return -1
+            _, _, _, after = _interval(points, known, cell, NONE, line, (0.0, 1.0))
+            if after < 0:
+                break
+            if _is_new(jobs, n_jobs, cell, after):
+                jobs[n_jobs, 0] = _pair(cell, after)
+                n_jobs += 1
+            cell = after
+    return n_jobs
+
+
+@called
+def _on_triangle(points, star, known, used, triangle, normal, number, same, room):
+    """Write what there is on a triangle; False where there is no room, with what is used not told."""
+    owners, places, keys, segments, jobs = room
+    n_places, n_segments = used[PLACES], used[SEGMENTS]
+    done, n_jobs = 0, _on_sides(points, star, known, used, triangle, jobs)
+    while done < n_jobs:
+        pair = jobs[done, 0]
+        done += 1
+        one, other = pair >> 32, pair & BELOW
+        if not (_learn(star, known, used, one) and _learn(star, known, used, other)):
+            return False
+        if n_segments + 1 >= len(keys) or n_places + 2 >= len(owners) or n_jobs + 4 >= len(jobs):
+            return False
+        origin, way, least, largest, first_side, last_side = _common_line(points, triangle, normal, one, other)
+        low, high, before, after = _interval(points, known, one, other, (origin, way), (least, largest))
+        near = ON_BORDER * (largest - least)
+        if high > low:
+            start, stop = _along(origin, way, high), _along(origin, way, low)
+            keys[n_segments, 0], keys[n_segments, 1] = pair, number
+            keys[n_segments, 2], keys[n_segments, 3] = _on_side(triangle, last_side), _on_side(triangle, first_side)
+            for axis in range(3):
+                segments[n_segments, axis], segments[n_segments, 3 + axis] = start[axis], stop[axis]
+            n_segments += 1
+        for end, beyond, place in ((3, before, low), (2, after, high)):
+            if beyond < 0:
+                continue
+            if high > low:
+                owners[n_places, 0], owners[n_places, 2] = min(one, beyond), max(other, beyond)
+                owners[n_places, 1], owners[n_places, 3] = max(one, min(other, beyond)), number
+                owners[n_places, 4] = min(place - least, largest - place) > near
+                spot = _along(origin, way, place)
+                places[n_places, 0], places[n_places, 1], places[n_places, 2] = spot
+                found = _row_of_place(owners, places, used[PLACES], n_places, same)
+                keys[n_segments - 1, end] = found - used[PLACES]
+                n_places += found == n_places
+            if high - low > -near:
+                for side in (one, other):
+                    if _is_new(jobs, n_jobs, side, beyond) and _joined(known, side, beyond):
+                        jobs[n_jobs, 0] = _pair(side, beyond)
+                        n_jobs += 1
+    if n_jobs >= 0:
+        used[PLACES], used[SEGMENTS] = n_places, n_segments
+    return n_jobs >= 0
+
+
+def on_triangles(points, simplices, starts, cells, same, first, facets, outward):
     """See `boundary_division.on_triangles`, by triangles, whose numbers begin with `first`.
 
     Places closer than `same` where the same cells meet on a triangle are one.
@@ -232,45 +330,16 @@ def on_triangles(points, begins, targets, same, first, facets, outward):
         Key of two cells, the triangle, and what each end of what they have in common there is: the number of a place
         among those of the triangle, or -1 - the key of a side of the triangle; and the two ends.
     """
-    owners, places, n_places = np.empty((64, 5), np.int64), np.empty((64, 3)), 0
-    keys, segments, n_segments = np.empty((64, 4), np.int64), np.empty((64, 6)), 0
-    jobs = np.empty(16, np.int64)
+    owners, places, jobs = np.empty((1 << 10, 5), np.int64), np.empty((1 << 10, 3)), np.empty((1 << 8, 1), np.int64)
+    keys, segments = np.empty((1 << 10, 4), np.int64), np.empty((1 << 10, 6))
+    star, known, used = (simplices, starts, cells), _nothing_known(len(points)), np.zeros(3, np.int64)
     for facet in range(len(facets)):
         triangle = (facets[facet, 0], facets[facet, 1], facets[facet, 2])
-        normal = place_of(outward, facet)
-        jobs, n_jobs = _start(points, begins, targets, triangle, jobs)
-        done, first_place = 0, n_places
-        while done < n_jobs:
-            pair = jobs[done]
-            done += 1
-            one, other = pair >> 32, pair & BELOW
-            origin, way, least, largest, first_side, last_side = _common_line(points, triangle, normal, one, other)
-            low, high, before, after = _interval(points, begins, targets, one, other, (origin, way), (least, largest))
-            near = ON_BORDER * (largest - least)
-            if high > low:
-                keys, segments = with_room(keys, n_segments), with_room(segments, n_segments)
-                start, stop = _along(origin, way, high), _along(origin, way, low)
-                keys[n_segments, 0], keys[n_segments, 1] = pair, first + facet
-                keys[n_segments, 2] = _on_side(triangle, last_side)
-                keys[n_segments, 3] = _on_side(triangle, first_side)
-                for axis in range(3):
-                    segments[n_segments, axis], segments[n_segments, 3 + axis] = start[axis], stop[axis]
-                n_segments += 1
-            for end, beyond, place in ((3, before, low), (2, after, high)):
-                if beyond < 0:
-                    continue
-                if high > low:
-                    owners, places = with_room(owners, n_places), with_room(places, n_places)
-                    row = owners[n_places]
-                    row[0], row[1], row[2] = min(one, beyond), max(one, min(other, beyond)), max(other, beyond)
-                    row[3], row[4] = first + facet, min(place - least, largest - place) > near
-                    spot = _along(origin, way, place)
-                    places[n_places, 0], places[n_places, 1], places[n_places, 2] = spot
-                    found = _row_of_place(owners, places, first_place, n_places, same)
-                    keys[n_segments - 1, end] = found - first_place
-                    n_places += found == n_places
-                if high - low > -near:
-                    for side in (one, other):
-                        if _is_new(jobs, n_jobs, side, beyond) and _joined(begins, targets, side, beyond):
-                            jobs, n_jobs = _add_pair(jobs, n_jobs, side, beyond)
-    return owners[:n_places], places[:n_places], keys[:n_segments], segments[:n_segments]
+        normal, number = place_of(outward, facet), first + facet
+        room = (owners, places, keys, segments, jobs)
+        while not _on_triangle(points, star, known, used, triangle, normal, number, same, room):
+            owners, places = with_room(owners, len(owners)), with_room(places, len(places))
+            keys, segments = with_room(keys, len(keys)), with_room(segments, len(segments))
+            known, jobs = _with_more(known), with_room(jobs, len(jobs))
+            room = (owners, places, keys, segments, jobs)
+    return owners[: used[PLACES]], places[: used[PLACES]], keys[: used[SEGMENTS]], segments[: used[SEGMENTS]]

@@ -100,7 +100,7 @@ def _rounds(ways, n, n_own, after, first_row, polygons, n_polygons, nodes, n_nod
     return True, polygons, begun, nodes, written
 
 
-def walked(mesh, known, touching, parts, most_parts, ends, n_nodes, first_row, starts, wedges, bounds):
+def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts, wedges, bounds):
     """See `voronoi_parts`: the parts inside of some faces, whose rows begin with `first_row`.
 
     Returns
@@ -111,7 +111,7 @@ def walked(mesh, known, touching, parts, most_parts, ends, n_nodes, first_row, s
     unsure : (q,) bool
         Faces of which it cannot be told.
     """
-    n_faces = len(starts) - 1
+    n_faces, (by_face, ends, n_nodes) = len(starts) - 1, segments
     unsure = np.zeros(n_faces, np.bool_)
     polygons, n_polygons = np.empty((n_faces + 1, 2), np.int64), 0
     nodes, n_found = np.empty((4 * n_faces + 64, 1), np.int64), 0
@@ -126,7 +126,8 @@ def walked(mesh, known, touching, parts, most_parts, ends, n_nodes, first_row, s
         unsure[face] = n < 0
         if n < 0:
             continue
-        for i in range(bounds[face, 0], bounds[face, 1]):
+        for place in range(bounds[face, 0], bounds[face, 1]):
+            i = by_face[place]
             ways[n, BEGIN], ways[n, END] = ends[i, 0], ends[i, 1]
             ways[n, NODE] = ends[i, 0] if ends[i, 0] >= 0 else n_nodes + i
             n += 1

@@ -164,12 +164,10 @@ def _boundary_walls(
     """Polygon, ends and kind of the boundary's segments on the faces."""
     if len(faces.keys) == 0:
         return np.empty(0, np.int64), np.empty((0, 2, 2)), np.empty(0, np.int64)
-    keys, segments, outward, _ = crossings.segments
-    first = np.searchsorted(keys, faces.keys[0])
-    some = keys[first : np.searchsorted(keys, faces.keys[-1], "right")]
-    place = np.searchsorted(faces.keys, some)
-    rows = np.flatnonzero(faces.keys[place] == some)
-    face, rows = place[rows], first + rows
-    ends = _in_plane(segments[rows], origins[face], axes[face])
-    up = dots(outward[rows], axes[face, 1])
+    segments, bounds = crossings.segments, crossings.of_faces(faces.keys)
+    counts = bounds[:, 1] - bounds[:, 0]
+    face = np.repeat(np.arange(len(counts)), counts)
+    rows = crossings.by_face[np.arange(len(face)) + np.repeat(bounds[:, 0] - (np.cumsum(counts) - counts), counts)]
+    ends = _in_plane(segments.places[rows], origins[face], axes[face])
+    up = dots(segments.outward[rows], axes[face, 1])
     return face, ends, np.where(up < 0, ENTER, LEAVE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +55,9 @@ class Crossings:
         Positions of the diagram that lie on the boundary, up to rounding; in general position there are none. Nothing
         follows from such a vertex for those it is joined to.
     segments : Segments
-        Straight pieces of the boundary on Voronoi faces, ascending by these; their ends are crossings instead of rows
-        of `Met`, or `LOST`.
+        Straight pieces of the boundary on Voronoi faces; their ends are crossings instead of rows of `Met`, or `LOST`.
+    by_face : (s,) int
+        The segments in the order of their faces.
     """
 
     edges: Ints
@@ -65,6 +67,16 @@ class Crossings:
     sure: Bools
     touching: Bools
     segments: Segments
+    by_face: Ints
+
+    @cached_property
+    def faces(self) -> Ints:
+        """(s,) faces of the segments, ascending."""
+        return self.segments.faces[self.by_face]
+
+    def of_faces(self, keys: Ints) -> Ints:
+        """(q, 2) where in `by_face` the segments of faces begin and end."""
+        return np.stack([np.searchsorted(self.faces, keys, side) for side in ("left", "right")], axis=1)
 
 
 def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
@@ -73,8 +85,7 @@ def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
     facets = _corners(diagram.simplices, cells, opposite)
     outward = outward_normals(diagram.coordinates, diagram.simplices, cells, opposite)
     if diagram.stars is not None:
-        found = call_compiled("voronoi_loops.neighbours", (diagram.simplices, *diagram.stars), tick)
-        around = (diagram.coordinates, *found)
+        around = (diagram.coordinates, diagram.simplices, *diagram.stars)
         if diagram.dim == 3:
             return _sorted(diagram, *on_triangles_compiled(around, SAME * diagram.size, facets, outward, tick))
     keys = unique_edges(facets) if len(facets) else np.empty(0, np.int64)
@@ -135,8 +146,13 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     touching = _touched(diagram, positions[(places <= AT_END) | (places >= 1 - AT_END) | ~sure])
     number = np.full(len(kept), LOST)
     number[np.flatnonzero(kept)[order]] = np.cumsum(first) - 1
-    segments = _by_face(segments, number, len(diagram.coordinates))
-    return Crossings(edges[once], places, positions, entering[once], sure, touching, segments)
+    ends = segments.ends.copy()
+    rows = ends >= 0
+    ends[rows] = number[ends[rows]]
+    low, high = split_keys(segments.faces)
+    by_face = ranked(low, high.astype(float), np.zeros(len(low), bool), len(diagram.coordinates))
+    segments = segments._replace(ends=ends)
+    return Crossings(edges[once], places, positions, entering[once], sure, touching, segments, by_face)
 
 
 def _first_places(positions: Floats, begins: Ints) -> Ints:
@@ -151,22 +167,17 @@ def _first_places(positions: Floats, begins: Ints) -> Ints:
     return result
 
 
-def _by_face(segments: Segments, number: Ints, n_points: int) -> Segments:
-    """The segments in the order of their faces, ends that were rows of `Met` as their numbers."""
-    low, high = split_keys(segments.faces)
-    order = ranked(low, high.astype(float), np.zeros(len(low), bool), n_points)
-    ends = segments.ends[order]
-    rows = ends >= 0
-    ends[rows] = number[ends[rows]]
-    return Segments(segments.faces[order], segments.places[order], segments.outward[order], ends)
-
-
 def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
     """(m + h,) positions of the diagram that are among some places, up to rounding."""
     if len(touched) == 0:
         return np.zeros(len(diagram.positions), bool)
     step = AT_END * diagram.size
-    return found_in(grid_keys(diagram.positions, step), grid_keys(touched, step))
+    beside = np.sort(touched[:, 0])  # few: hardly a position is as far along the first axis as one of them
+    place = np.searchsorted(beside, diagram.positions[:, 0] - 2 * step)
+    near = np.flatnonzero(np.append(beside, np.inf)[place] <= diagram.positions[:, 0] + 2 * step)
+    result = np.zeros(len(diagram.positions), bool)
+    result[near] = found_in(grid_keys(diagram.positions[near], step), grid_keys(touched, step))
+    return result
 
 
 def ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:

@@ -45,35 +45,23 @@ def turn(n_points, point, other):
     return other - point if other > point else other - point + n_points
 
 
-def neighbours(simplices, starts, cells):
-    """Delaunay neighbours of each point, one point after another, and where each begins.
-
-    Those above the point come first, then those below it, as in `voronoi_lines.Neighbours`: the first of equals counts.
-    """
-    n_points = len(starts) - 1
-    seen = np.full(n_points, -1, np.int32)
-    begins, found, size = np.zeros(n_points + 1, np.int64), np.empty(4 * n_points + 64, np.int32), 0
-    for point in range(n_points):
-        most = size + (simplices.shape[1] - 1) * (starts[point + 1] - starts[point])
-        if most > len(found):
-            more = np.empty(2 * most, np.int32)
-            for k in range(size):
-                more[k] = found[k]
-            found = more
-        first = size
-        for place in range(starts[point], starts[point + 1]):
-            for k in range(simplices.shape[1]):
-                other = simplices[cells[place], k]
-                if other != point and seen[other] != point:
-                    seen[other] = point
-                    j = size
-                    while j > first and turn(n_points, point, found[j - 1]) > turn(n_points, point, other):
-                        found[j] = found[j - 1]
-                        j -= 1
-                    found[j] = other
-                    size += 1
-        begins[point + 1] = size
-    return begins, found[:size]
+def pieces(neighbors, joined):
+    """Connected piece of each simplex across the facets that join, numbered by the first simplex in it."""
+    label, stack, n_pieces = np.full(len(neighbors), -1, np.int32), np.empty(len(neighbors), np.int32), 0
+    for first in range(len(neighbors)):
+        if label[first] >= 0:
+            continue
+        label[first], stack[0], n = n_pieces, first, 1
+        while n > 0:
+            n -= 1
+            cell = stack[n]
+            for k in range(neighbors.shape[1]):
+                other = neighbors[cell, k]
+                if joined[cell, k] and label[other] < 0:
+                    label[other], stack[n] = n_pieces, other
+                    n += 1
+        n_pieces += 1
+    return label
 
 
 def facets_between(triples, simplices, starts, cells):

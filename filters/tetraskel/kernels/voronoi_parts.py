@@ -72,11 +72,12 @@ def parts_of_faces(
     n_positions, n_nodes = len(diagram.positions), len(diagram.positions) + len(crossings.edges)
     ends = np.where(crossings.segments.ends >= 0, crossings.segments.ends + n_positions, crossings.segments.ends)
     ends[ends[:, 1] == LOST, 1] += 1  # nothing begins where it ends
-    bounds = np.stack([np.searchsorted(crossings.segments.faces, faces.keys, s) for s in ("left", "right")], axis=1)
+    bounds = crossings.of_faces(faces.keys)
+    of_faces = (crossings.by_face, ends, n_nodes)
     if not numba_is_used():
-        return _in_arrays(diagram, known, touching, (first_part, nodes), ends, n_nodes, faces, bounds)
+        return _in_arrays(diagram, known, touching, (first_part, nodes), of_faces, faces, bounds)
     mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half)
-    given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=0)), ends, n_nodes)
+    given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=0)), of_faces)
 
     def arguments_of(piece: slice) -> tuple:
         starts = faces.starts[piece.start : piece.stop + 1]
@@ -91,15 +92,15 @@ def _in_arrays(
     known: Bools,
     touching: Bools,
     parts: tuple[Ints, Ints],
-    ends: Ints,
-    n_nodes: int,
+    segments: tuple[Ints, Ints, int],
     faces: VoronoiFaces,
     bounds: Ints,
 ) -> Parts:
     """The same as array operations: all faces go a step at a time."""
     own, unsure = _own_ways(diagram, known, touching, parts, faces)
     counts = bounds[:, 1] - bounds[:, 0]
-    rows = np.arange(counts.sum()) + np.repeat(bounds[:, 0] - (np.cumsum(counts) - counts), counts)
+    by_face, ends, n_nodes = segments
+    rows = by_face[np.arange(counts.sum()) + np.repeat(bounds[:, 0] - (np.cumsum(counts) - counts), counts)]
     begin, end = ends[rows].T
     crossing = _Ways(np.repeat(np.arange(len(counts)), counts), begin, end, np.where(begin >= 0, begin, n_nodes + rows))
     ways = _Ways(*(np.concatenate(column) for column in zip(own, crossing, strict=True)))

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import barycentric_coordinates
+from tetraskel.kernels.loops_in_python import call_compiled
+from tetraskel.kernels.pieces import label_pieces
 from tetraskel.kernels.voronoi_crossings import AT_END, Crossings, ranked
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.walking import walk_to
@@ -47,9 +49,6 @@ def _near_the_points(diagram: VoronoiDiagram, spots: Floats) -> Bools:
 
 def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
     """(m,) connected piece of each circumcentre along edges that neither cross nor touch the boundary."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
-
     m = len(diagram.simplices)
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
@@ -57,10 +56,8 @@ def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
     if crossings.touching.any():
         crossed |= crossings.touching[diagram.ends].any(axis=1)
     joined &= ~diagram.on_halves(crossed)
-    counts = np.add.reduce([column.view(np.int8) for column in np.ascontiguousarray(joined.T)], dtype=np.int8)
-    starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
-    graph = csr_matrix((np.ones(starts[-1], np.int8), diagram.neighbors[joined], starts), shape=(m, m))
-    return np.asarray(connected_components(graph, directed=False)[1])
+    found = call_compiled("voronoi_loops.pieces", (diagram.neighbors, joined))
+    return np.asarray(label_pieces(np.where(joined, diagram.neighbors, -1)) if found is None else found)
 
 
 def _votes(diagram: VoronoiDiagram, crossings: Crossings, piece: Ints) -> Ints:

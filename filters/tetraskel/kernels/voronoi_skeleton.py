@@ -101,7 +101,7 @@ def _sk1(diagram: VoronoiDiagram, tick: Tick) -> Elements:
 def _sk3(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     crossings, inside = _crossings_and_sides(diagram, tick)
     whole = edges_wholly_inside(diagram, crossings, inside)
-    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.segments.faces)
+    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.faces)
     return of_cells(diagram, np.flatnonzero(inside[: len(diagram.simplices)]), np.flatnonzero(whole), faces)
 
 
@@ -121,7 +121,7 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
         return with_pieces(diagram, vertices, crossings, inside, edges)
     tick(0.7)
     wanted = np.repeat(of_simplices[:, None], len(EDGES), axis=1)
-    faces = ordered(diagram, faces_of_any(diagram, wanted, crossings.segments.faces))
+    faces = ordered(diagram, faces_of_any(diagram, wanted, crossings.faces))
     tick(0.8)
     return with_polygons(diagram, vertices, crossings, inside, edges, faces)
 
