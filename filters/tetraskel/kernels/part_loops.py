@@ -27,15 +27,29 @@ def _edge_of(neighbors, edge_of_first_half, half):
 
 
 @called
-def _own_ways(mesh, known, touching, parts, wedges, ways):
+def _only_touches(touching, wedges):
+    """Whether all vertices of a face lie on the boundary: nothing is known of it."""
+    for i in range(len(wedges)):  # noqa: SIM110 (numba has no generators here)
+        if not touching[wedges[i] >> WEDGE_BITS]:
+            return False
+    return True
+
+
+@called
+def _is_whole(whole, wedges):
+    """Whether all edges of a face are inside."""
+    for i in range(len(wedges)):  # noqa: SIM110 (numba has no generators here)
+        if not whole[wedges[i] >> WEDGE_BITS, AHEAD[wedges[i] & ((1 << WEDGE_BITS) - 1)]]:
+            return False
+    return True
+
+
+@called
+def _own_ways(mesh, known, parts, wedges, ways):
     """The ways along a face's own edges, where these are inside; how many, -1 where something is not known."""
-    neighbors, ends, edge_of_first_half = mesh
+    neighbors, ends, edge_of_first_half, _ = mesh
     first_part, nodes = parts
-    n, m, sure = 0, len(neighbors), False
-    for i in range(len(wedges)):
-        sure |= not touching[wedges[i] >> WEDGE_BITS]
-    if not sure:
-        return np.int64(-1)
+    n, m = 0, len(neighbors)
     for turn in range(2):  # the rays that open faces come last
         for i in range(len(wedges)):
             cell, corner = wedges[i] >> WEDGE_BITS, wedges[i] & ((1 << WEDGE_BITS) - 1)
@@ -121,7 +135,20 @@ def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts
     ways, after = np.empty((most, 3), np.int64), np.empty((most, 2), np.int64)
     for face in range(n_faces):
         own = wedges[starts[face] : starts[face + 1]]
-        n = _own_ways(mesh, known, touching, parts, own, ways)
+        unsure[face] = _only_touches(touching, own)
+        if unsure[face]:
+            continue
+        if bounds[face, 0] == bounds[face, 1] and len(own) >= 3 and _is_whole(mesh[3], own):
+            if n_polygons == len(polygons):
+                polygons = with_room(polygons, n_polygons)
+            if n_found + len(own) > len(nodes):
+                nodes = with_room(nodes, n_found + len(own))
+            polygons[n_polygons, 0], polygons[n_polygons, 1] = first_row + face, len(own)
+            for i in range(len(own)):
+                nodes[n_found + i, 0] = own[i] >> WEDGE_BITS
+            n_polygons, n_found = n_polygons + 1, n_found + len(own)
+            continue
+        n = _own_ways(mesh, known, parts, own, ways)
         n_own = n
         unsure[face] = n < 0
         if n < 0:

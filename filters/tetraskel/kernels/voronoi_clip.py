@@ -49,6 +49,8 @@ def clipped_faces(
     starts : (p+1,) int
     corners : (total, 3) float
     """
+    if len(faces.keys) == 0:
+        return np.empty(0, np.int64), np.zeros(1, np.int64), np.empty((0, 3))
     plain = plain_edges(diagram, crossings, inside)
     found, n, total = [], len(faces.keys), 0
     for first in range(0, n, FACES):
@@ -56,8 +58,6 @@ def clipped_faces(
         face, begins, corners = _clip(diagram, crossings, inside, plain, faces.some(chosen))
         found.append((face + first, begins[:-1] + total, corners))
         total += len(corners)
-    if not found:
-        return np.empty(0, np.int64), np.zeros(1, np.int64), np.empty((0, 3))
     face, begins, corners = (np.concatenate(column) for column in zip(*found, strict=True))
     return face, np.append(begins, total), corners
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.adjacency import scramble
+from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.boundary_division import (
     Met,
     Segments,
@@ -136,7 +137,8 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
     entering, sure = entering[order], sure[order]
     # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
-    away = np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=1)) > SAME * diagram.size
+    step = np.diff(positions, axis=0)
+    away = np.sqrt(dots(step, step)) > SAME * diagram.size
     first = np.ones(len(edges), bool)
     first[1:] = (edges[1:] != edges[:-1]) | (entering[1:] != entering[:-1]) | away
     once = np.flatnonzero(first)

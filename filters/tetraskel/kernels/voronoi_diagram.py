@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.medial_nodes import FLAT, borrow_centres
@@ -235,14 +236,20 @@ def _ray_ends(
 
 def outward_normals(coordinates: Floats, simplices: Ints, cells: Ints, opposite: Ints) -> Floats:
     """(k, d) unit normals of facets, away from their simplices; zero where the facet has no area."""
-    rows = np.arange(len(cells))
     width = simplices.shape[1]
-    kept = np.arange(width)[None, :] != opposite[:, None]
-    corners = coordinates[simplices[cells][kept].reshape(len(cells), width - 1)]
-    sides = corners[:, 1:] - corners[:, :1]
-    first, last = sides[:, 0], sides[:, -1]
-    normals = np.cross(first, last) if width == 4 else np.stack([first[:, 1], -first[:, 0]], axis=1)
-    inward = coordinates[simplices[cells, opposite][rows]] - corners[:, 0]
-    normals = np.where(((normals * inward).sum(axis=1) > 0)[:, None], -normals, normals)
-    length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
-    return np.asarray(normals / np.where(length == 0, 1.0, length))
+    others = np.array([[i for i in range(width) if i != j] for j in range(width)])
+    result = np.empty((len(cells), width - 1))
+
+    def work(piece: slice) -> None:
+        of_cells, apart = simplices[cells[piece]], opposite[piece, None]
+        corners = coordinates[np.take_along_axis(of_cells, others[opposite[piece]], axis=1)]
+        sides = corners[:, 1:] - corners[:, :1]
+        first, last = sides[:, 0], sides[:, -1]
+        normals = np.cross(first, last) if width == 4 else np.stack([first[:, 1], -first[:, 0]], axis=1)
+        inward = coordinates[np.take_along_axis(of_cells, apart, axis=1)[:, 0]] - corners[:, 0]
+        normals = np.where((dots(normals, inward) > 0)[:, None], -normals, normals)
+        length = np.sqrt(dots(normals, normals))[:, None]
+        result[piece] = normals / np.where(length == 0, 1.0, length)
+
+    for_chunks(work, len(cells))
+    return result

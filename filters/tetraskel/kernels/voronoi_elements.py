@@ -206,7 +206,7 @@ def _with_nodes(
     found = replace(
         whole,
         points=np.concatenate([whole.points, points]),
-        radius=np.concatenate([whole.radius, np.sqrt((away**2).sum(axis=1))]),
+        radius=np.concatenate([whole.radius, np.sqrt(dots(away, away))]),
         cells=np.concatenate([whole.cells, np.full(len(added), -1)]),
     )
     return found, number[nodes]

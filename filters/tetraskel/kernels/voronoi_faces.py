@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
-from tetraskel.kernels.loops_in_python import call_compiled
+from tetraskel.kernels.compilation import numba_is_used
+from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
 
@@ -87,6 +88,11 @@ class VoronoiFaces:
         starts = np.concatenate([[0], np.cumsum(counts)])
         return np.arange(starts[-1]) + np.repeat(self.starts[faces] - starts[:-1], counts), starts
 
+    def rings(self, piece: slice) -> tuple[Ints, Ints]:
+        """Starts and wedges of consecutive faces alone."""
+        starts = self.starts[piece.start : piece.stop + 1]
+        return starts - starts[0], self.wedges[starts[0] : starts[-1]]
+
     def some(self, faces: Ints) -> VoronoiFaces:
         """Some of the faces."""
         rows, starts = self.rows(faces)
@@ -95,6 +101,16 @@ class VoronoiFaces:
 
 def _half_facets(wedges: Ints, opposite: Ints) -> Ints:
     return np.asarray((wedges >> WEDGE_BITS) * 4 + opposite[wedges & (2**WEDGE_BITS - 1)])
+
+
+def facets_beside(wedges: Ints, n_simplices: int) -> Bools:
+    """(m, 4) facets of tetrahedra that lie at one of their edges in some wedges."""
+    found = call_compiled("voronoi_loops.facets_beside", (wedges, n_simplices))
+    if found is not None:
+        return np.asarray(found)
+    result = np.zeros(4 * n_simplices, bool)
+    result[_half_facets(wedges, AHEAD)] = result[_half_facets(wedges, BEHIND)] = True
+    return result.reshape(-1, 4)
 
 
 def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
@@ -109,8 +125,7 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
         Tetrahedra at their edges, in the order of EDGES.
     """
     if diagram.stars is not None:
-        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted, np.empty(0, np.int64), False)
-        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments))
+        return _faces_compiled(diagram, wanted, np.empty(0, np.int64), False)
     edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
     wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
     in_one = 2 * edge_bits + wedge_bits <= MOST_BITS
@@ -136,8 +151,7 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
 def faces_of_any(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
     """The same with whole rings: all wedges at the edges of those wanted, and of edges by their keys, ascending."""
     if diagram.stars is not None:
-        arguments = (diagram.simplices, diagram.signs, *diagram.stars, wanted, also, True)
-        return VoronoiFaces(*call_compiled("voronoi_loops.edges_and_wedges", arguments))
+        return _faces_compiled(diagram, wanted, also, True)
     x = diagram.simplices
     keys = [edge_keys_of(x[wanted[:, s], i], x[wanted[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
     asked = np.concatenate([*keys, also])
@@ -147,6 +161,18 @@ def faces_of_any(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiF
     around = at_end[x]
     faces = voronoi_faces(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
     return faces.some(np.flatnonzero(found_in(faces.keys, asked)))
+
+
+def _faces_compiled(diagram: VoronoiDiagram, wanted: Bools, also: Ints, complete: bool) -> VoronoiFaces:
+    given = (diagram.simplices, diagram.signs, *(diagram.stars or ()), wanted)
+
+    def arguments_of(piece: slice) -> tuple:
+        first, last = np.searchsorted(also, np.array([piece.start, piece.stop]) << 32)
+        return (*given, also[first:last], complete, piece.start, piece.stop)
+
+    n = len(diagram.coordinates)
+    keys, counts, wedges = gather_compiled("voronoi_loops.edges_and_wedges", arguments_of, n)
+    return VoronoiFaces(keys, np.concatenate([[0], np.cumsum(counts)]), wedges)
 
 
 def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:
@@ -189,9 +215,10 @@ def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces,
     misled : (q,) bool
         It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
-    found = call_compiled("voronoi_loops.follow", (diagram.neighbors, faces.starts, faces.wedges))
-    if found is not None:
-        return VoronoiFaces(faces.keys, faces.starts, found[0]), found[1], found[2]
+    if numba_is_used():
+        given = (diagram.neighbors,)
+        wedges, ended, misled = gather_compiled("voronoi_loops.follow", lambda piece: (*given, *faces.rings(piece)), len(faces.keys))
+        return VoronoiFaces(faces.keys, faces.starts, wedges), ended, misled
     counts = faces.counts
     wedges = faces.wedges.copy()
     ended, misled = np.zeros(len(counts), bool), np.zeros(len(counts), bool)

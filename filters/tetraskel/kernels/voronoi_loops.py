@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from tetraskel.kernels.compilation import inlined
-from tetraskel.kernels.voronoi_faces import AHEAD, EDGES, WEDGE_BITS
+from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, EDGES, WEDGE_BITS
 
 # the row of EDGES that two corners of a tetrahedron have
 SLOTS = np.array(
@@ -104,32 +104,35 @@ def ranked(groups, values, last, n_groups):
     return order
 
 
-def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete):
-    """See `voronoi_faces.voronoi_faces`, and, where complete, `voronoi_faces.faces_of_any`.
+def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete, first_point, last_point):
+    """See `voronoi_faces.voronoi_faces`, and, where complete, `voronoi_faces.faces_of_any`: edges from some points on.
 
     Strategy: the simplices around a point name its edges to larger points; each new name gets a list, and only the few
     names are sorted.
+
+    Returns
+    -------
+    keys, counts : (q,) int
+    wedges : (total,) int
     """
-    n_points, n_wedges, most = len(starts) - 1, 0, 0
-    for i in range(len(wanted)):
-        for slot in range(6):
-            n_wedges += complete or wanted[i, slot]
-    for point in range(n_points):
+    most = 0
+    for point in range(first_point, last_point):
         most = max(most, 3 * (starts[point + 1] - starts[point]))
+    n_wedges = 3 * (starts[last_point] - starts[first_point])
     keys, begins, wedges = np.empty(n_wedges, np.int64), np.zeros(n_wedges + 1, np.int64), np.empty(n_wedges, np.int64)
-    number = np.full(n_points, -1, np.int64)  # of an edge, by its other end; below `first` it is of another point
+    number = np.full(len(starts) - 1, -1, np.int32)  # of an edge, by its other end; below `first` of another point's
     others, ends = np.empty(most, np.int64), np.empty(most, np.int64)
     listed, owner = np.empty(most, np.int64), np.empty(most, np.int64)
     first, n_wedges, n_also = 0, 0, 0
-    for point in range(n_points):
+    for point in range(first_point, last_point):
         n, n_edges = 0, 0
         while n_also < len(also) and also[n_also] >> 32 == point:
             other = also[n_also] & 0xFFFFFFFF
             if number[other] < first:
                 n_edges = _add_edge(number, others, ends, first, n_edges, other)
             n_also += 1
-        for place in range(starts[point], starts[point + 1]):
-            cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
+        for place in range(starts[point], starts[point + 1] if complete else starts[point]):
+            cell, here = cells[place], _corner(simplices, cells[place], point)
             for k in range(4):
                 other = simplices[cell, k]
                 if other > point and number[other] < first and wanted[cell, SLOTS[here, k]]:
@@ -138,8 +141,10 @@ def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete):
             cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
             for k in range(4):
                 other, slot = simplices[cell, k], SLOTS[here, k]
-                if other <= point or number[other] < first or not (complete or wanted[cell, slot]):
+                if other <= point or (number[other] < first if complete else not wanted[cell, slot]):
                     continue
+                if number[other] < first:
+                    n_edges = _add_edge(number, others, ends, first, n_edges, other)
                 owner[n] = number[other] - first
                 listed[n] = (cell << WEDGE_BITS) | (2 * slot + ((here > k) != (signs[cell] < 0)))
                 ends[owner[n]] += 1
@@ -150,7 +155,10 @@ def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete):
             ends[owner[i]] += 1
         first, n_wedges = first + n_edges, n_wedges + n
     begins[first] = n_wedges
-    return keys[:first], begins[: first + 1], wedges[:n_wedges]
+    counts = np.empty(first, np.int64)
+    for edge in range(first):
+        counts[edge] = begins[edge + 1] - begins[edge]
+    return keys[:first], counts, wedges[:n_wedges]
 
 
 @inlined
@@ -184,6 +192,15 @@ def _ranges_by(others, ends, n_edges, keys, begins, first, n_wedges, point):
         edge = begins[j]
         keys[j], begins[j] = (np.int64(point) << 32) | keys[j], n_wedges + total
         total, ends[edge] = total + ends[edge], total
+
+
+def facets_beside(wedges, n_simplices):
+    """(m, 4) facets of tetrahedra that lie at one of their edges in some wedges."""
+    result = np.zeros((n_simplices, 4), np.bool_)
+    for i in range(len(wedges)):
+        cell, slot = wedges[i] >> WEDGE_BITS, wedges[i] & SLOT_BITS
+        result[cell, AHEAD[slot]] = result[cell, BEHIND[slot]] = True
+    return result
 
 
 @inlined

@@ -23,8 +23,6 @@ from tetraskel.kernels.voronoi_sides import parts_of_edges, plain_edges
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
-FACES = 1 << 12  # faces at a time
-
 
 class Parts(NamedTuple):
     """Polygons around the parts, by their faces, and faces of which they cannot be told.
@@ -76,14 +74,14 @@ def parts_of_faces(
     of_faces = (crossings.by_face, ends, n_nodes)
     if not numba_is_used():
         return _in_arrays(diagram, known, touching, (first_part, nodes), of_faces, faces, bounds)
-    mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half)
+    mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half, diagram.on_halves(whole))
     given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=0)), of_faces)
 
-    def arguments_of(piece: slice) -> tuple:
-        starts = faces.starts[piece.start : piece.stop + 1]
-        return (*given, piece.start, starts - starts[0], faces.wedges[starts[0] : starts[-1]], bounds[piece])
-
-    polygons, corners, unsure = gather_compiled("part_loops.walked", arguments_of, len(faces.keys), chunk=FACES)
+    polygons, corners, unsure = gather_compiled(
+        "part_loops.walked",
+        lambda piece: (*given, piece.start, *faces.rings(piece), bounds[piece]),
+        len(faces.keys),
+    )
     return Parts(polygons[:, 0], polygons[:, 1], corners[:, 0], np.flatnonzero(unsure))
 
 

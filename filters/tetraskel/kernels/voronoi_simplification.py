@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_elements import Elements, separations
-from tetraskel.kernels.voronoi_faces import EDGES, WEDGE_BITS
+from tetraskel.kernels.voronoi_faces import facets_beside
 from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, grid_keys, split_keys
 
 Floats = NDArray[np.float64]
@@ -65,29 +65,26 @@ class VoronoiSkeleton:
 
 
 def merged(given: Elements, step: float) -> Elements:
-    """Points at one place as one, the first; lines and polygons that shrink to nothing are left out."""
+    """The first of the points at one place for all; lines and polygons that shrink to nothing are left out."""
     if len(given.points) == 0 or step == 0:
         return given
     stands_for = _first_of_each(grid_keys(given.points - given.points.min(axis=0), step))
-    is_first = stands_for == np.arange(len(stands_for))
-    if is_first.all():
+    if (stands_for == np.arange(len(stands_for))).all():
         return given
-    first, number = np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[stands_for]
-    lines = number[given.lines]
+    lines, corners = stands_for[given.lines], stands_for[given.connectivity]
     kept = lines[:, 0] != lines[:, 1]
-    offsets, corners, polygons = _without_repeats(given.offsets, number[given.connectivity])
-    vertices, which = np.unique(number[given.vertices], return_index=True)
-    return Elements(
-        given.points[first],
-        given.radius[first],
-        given.cells[first],
-        vertices,
-        lines[kept],
-        offsets,
-        corners,
-        given.simplices[which],
-        given.edges[kept],
-        given.keys[polygons],
+    offsets, corners, polygons = _without_repeats(given.offsets, corners, corners != given.connectivity)
+    first = stands_for[given.vertices] == given.vertices  # vertices are the first of the points
+    return replace(
+        given,
+        vertices=given.vertices[first],
+        lines=lines[kept],
+        offsets=offsets,
+        connectivity=corners,
+        simplices=given.simplices[first],
+        edges=given.edges[kept],
+        keys=given.keys[polygons],
+        wedges=None,
     )
 
 
@@ -111,18 +108,20 @@ def _first_of_each(names: NDArray[np.uint64]) -> Ints:
     return result
 
 
-def _without_repeats(offsets: Ints, corners: Ints) -> tuple[Ints, Ints, Ints]:
-    """Polygons without equal corners in a row, and which of them keep three or more."""
-    if len(corners) == 0:
-        return offsets[:1], corners, np.empty(0, np.int64)
+def _without_repeats(offsets: Ints, corners: Ints, changed: Bools) -> tuple[Ints, Ints, Ints]:
+    """Polygons without equal corners in a row, some of which have (total,) changed, and which keep three or more."""
     counts = np.diff(offsets)
-    before = np.arange(len(corners)) - 1
-    before[offsets[:-1]] = offsets[1:] - 1
-    kept = corners != corners[before]
-    counts = np.add.reduceat(kept.astype(np.int64), offsets[:-1])
-    real = counts >= 3
-    kept &= np.repeat(real, np.diff(offsets))
-    return np.concatenate([[0], np.cumsum(counts[real])]), corners[kept], np.flatnonzero(real)
+    some = np.unique(np.searchsorted(offsets, np.flatnonzero(changed), "right") - 1)
+    begins = np.cumsum(counts[some]) - counts[some]
+    rows = np.arange(counts[some].sum()) + np.repeat(offsets[some] - begins, counts[some])
+    before = rows - 1
+    before[begins] = offsets[some + 1] - 1
+    repeated = corners[rows] == corners[before]
+    left = counts[some] - np.diff(np.concatenate([[0], np.cumsum(repeated)])[np.append(begins, len(rows))])
+    counts[some] = np.where(left < 3, 0, left)
+    kept = np.ones(len(corners), bool)
+    kept[rows[repeated | np.repeat(left < 3, np.diff(np.append(begins, len(rows))))]] = False
+    return np.concatenate([[0], np.cumsum(counts[counts > 0])]), corners[kept], np.flatnonzero(counts)
 
 
 def simplified(
@@ -184,21 +183,13 @@ def _angles(separation: Floats, widest: Floats) -> Floats:
 def _bounding(diagram: VoronoiDiagram, given: Elements, offsets: Ints, corners: Ints, wedges: Ints | None) -> Bools:
     """(s,) lines that are sides of the polygons.
 
-    A Voronoi edge bounds the faces of the Delaunay edges around its facet: its simplex has them among its wedges.
+    A Voronoi edge bounds the faces of the Delaunay edges around its facet, which lies at these in its simplex.
     """
     if len(given.lines) == 0 or len(corners) == 0:
         return np.zeros(len(given.lines), bool)
     if wedges is None:
         return _sides_of(given.lines, offsets, corners)
-    used = np.zeros(len(diagram.simplices) << WEDGE_BITS, bool)
-    used[wedges] = True
-    cells, opposite = np.divmod(diagram.halves[given.edges], 4)
-    of_cells = used.reshape(-1, 1 << WEDGE_BITS)[cells]
-    result = np.zeros(len(cells), bool)
-    for slot, edge in enumerate(EDGES):
-        away = (opposite != edge[0]) & (opposite != edge[1])
-        result |= away & (of_cells[:, 2 * slot] | of_cells[:, 2 * slot + 1])
-    return result
+    return facets_beside(wedges, len(diagram.simplices)).ravel()[diagram.halves[given.edges]]
 
 
 def _sides_of(lines: Ints, offsets: Ints, corners: Ints) -> Bools:
