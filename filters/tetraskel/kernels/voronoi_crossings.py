@@ -162,7 +162,9 @@ def _first_places(positions: Floats, begins: Ints) -> Ints:
     counts = np.diff(np.append(begins, len(positions)))
     result, several = begins.copy(), np.flatnonzero(counts > 1)
     run = np.repeat(several, counts[several])
-    rows = np.arange(len(run)) + np.repeat(begins[several] - (np.cumsum(counts[several]) - counts[several]), counts[several])
+    rows = np.arange(len(run)) + np.repeat(
+        begins[several] - (np.cumsum(counts[several]) - counts[several]), counts[several]
+    )
     order = np.lexsort([*positions[rows].T[::-1], run])
     ahead = order[np.diff(run[order], prepend=-1) != 0]
     result[run[ahead]] = rows[ahead]

@@ -115,27 +115,32 @@ def separations(diagram: VoronoiDiagram, simplices: Ints) -> Floats:
 
 
 def with_pieces(
-    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, edges: Bools
+    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, whole_edges: Bools
 ) -> Elements:
-    """The elements with the parts of Voronoi edges inside, in the plane; (f,) `edges` are wholly inside."""
-    edges, nodes, _ = parts_of_edges(diagram, crossings, inside, edges)
+    """The elements with the parts of Voronoi edges inside, in the plane; (f,) edges that are wholly inside."""
+    edges, nodes, _ = parts_of_edges(diagram, crossings, inside, whole_edges)
     found, lines = _with_nodes(diagram, whole, crossings, nodes.ravel(), np.empty((0, 2)), np.empty(0, np.int64))
     return replace(found, lines=lines.reshape(-1, 2), edges=edges)
 
 
 def with_polygons(
-    diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, edges: Bools, faces: VoronoiFaces
+    diagram: VoronoiDiagram,
+    whole: Elements,
+    crossings: Crossings,
+    inside: Bools,
+    whole_edges: Bools,
+    faces: VoronoiFaces,
 ) -> Elements:
     """The elements with the parts of Voronoi faces inside.
 
     Parameters
     ----------
-    edges : (f,) bool
+    whole_edges : (f,) bool
         Voronoi edges that are wholly inside.
     faces : VoronoiFaces
         All that have such a part, ordered.
     """
-    parts, segments = parts_of_faces(diagram, crossings, inside, edges, faces), crossings.segments
+    parts, segments = parts_of_faces(diagram, crossings, inside, whole_edges, faces), crossings.segments
     rest, begins, corners = clipped_faces(diagram, crossings, inside, faces.some(parts.unsure))
     n_segments = len(diagram.positions) + len(crossings.edges)
     n_corners = n_segments + len(segments.faces)
@@ -144,9 +149,11 @@ def with_polygons(
     face = np.concatenate([parts.faces, parts.unsure[rest]])
     face, starts, nodes = _by_face(face, np.concatenate([parts.counts, np.diff(begins)]), nodes)
     starts, nodes = _without_straight(places, starts, nodes, (nodes >= n_segments) & (nodes < n_corners))
-    owners = np.concatenate([split_keys(segments.faces)[0], faces.generators[parts.unsure[rest], 0].repeat(np.diff(begins))])
-    found, corners = _with_nodes(diagram, whole, crossings, nodes, places[n_segments:], owners)
-    return replace(found, offsets=starts, connectivity=corners, keys=faces.keys[face], wedges=None)
+    owners = np.concatenate(
+        [split_keys(segments.faces)[0], faces.generators[parts.unsure[rest], 0].repeat(np.diff(begins))]
+    )
+    found, connectivity = _with_nodes(diagram, whole, crossings, nodes, places[n_segments:], owners)
+    return replace(found, offsets=starts, connectivity=connectivity, keys=faces.keys[face], wedges=None)
 
 
 def _by_face(face: Ints, counts: Ints, nodes: Ints) -> tuple[Ints, Ints, Ints]:

@@ -216,8 +216,9 @@ def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces,
         It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
     if numba_is_used():
-        given = (diagram.neighbors,)
-        wedges, ended, misled = gather_compiled("voronoi_loops.follow", lambda piece: (*given, *faces.rings(piece)), len(faces.keys))
+        wedges, ended, misled = gather_compiled(
+            "voronoi_loops.follow", lambda piece: (diagram.neighbors, *faces.rings(piece)), len(faces.keys)
+        )
         return VoronoiFaces(faces.keys, faces.starts, wedges), ended, misled
     counts = faces.counts
     wedges = faces.wedges.copy()

@@ -76,7 +76,6 @@ def parts_of_faces(
         return _in_arrays(diagram, known, touching, (first_part, nodes), of_faces, faces, bounds)
     mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half, diagram.on_halves(whole))
     given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=0)), of_faces)
-
     polygons, corners, unsure = gather_compiled(
         "part_loops.walked",
         lambda piece: (*given, piece.start, *faces.rings(piece), bounds[piece]),
@@ -103,20 +102,19 @@ def _in_arrays(
     crossing = _Ways(np.repeat(np.arange(len(counts)), counts), begin, end, np.where(begin >= 0, begin, n_nodes + rows))
     ways = _Ways(*(np.concatenate(column) for column in zip(own, crossing, strict=True)))
     is_own = np.arange(len(ways.face)) < len(own.face)
-    order = np.flatnonzero(~unsure[ways.face])
+    order: Ints = np.flatnonzero(~unsure[ways.face])
     order = order[np.argsort(ways.face[order], kind="stable")]
     ways, is_own = _Ways(*(column[order] for column in ways)), is_own[order]
     after, broken = _after(ways)
     unsure[ways.face[broken]] = True
     kept = np.flatnonzero(~unsure[ways.face])
     number = np.cumsum(~unsure[ways.face]) - 1
-    ways, is_own, after = _Ways(*(column[kept] for column in ways)), is_own[kept], number[after[kept]]
-    face, counts, corners, left = _rounds(ways, is_own, after)
+    ways = _Ways(*(column[kept] for column in ways))
+    face, sizes, corners, left = _rounds(ways, is_own[kept], number[after[kept]])
     unsure[left] = True
     good = ~unsure[face]
-    corners, face, counts = corners[np.repeat(good, counts)], face[good], counts[good]
-    large = counts >= 3
-    return Parts(face[large], counts[large], corners[np.repeat(large, counts)], np.flatnonzero(unsure))
+    good &= sizes >= 3
+    return Parts(face[good], sizes[good], corners[np.repeat(good, sizes)], np.flatnonzero(unsure))
 
 
 def _own_ways(

@@ -49,7 +49,6 @@ def _near_the_points(diagram: VoronoiDiagram, spots: Floats) -> Bools:
 
 def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:
     """(m,) connected piece of each circumcentre along edges that neither cross nor touch the boundary."""
-    m = len(diagram.simplices)
     joined = diagram.neighbors >= 0
     crossed = diagram.on_boundary.copy()
     crossed[crossings.edges] = True
