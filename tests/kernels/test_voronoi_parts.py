@@ -12,7 +12,7 @@ from tetraskel import triangulate
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import find_crossings
 from tetraskel.kernels.voronoi_diagram import voronoi_diagram, without_flat_rim
-from tetraskel.kernels.voronoi_faces import EDGES, faces_of_any, ordered
+from tetraskel.kernels.voronoi_faces import EDGES, ordered_faces
 from tetraskel.kernels.voronoi_parts import parts_of_faces
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside
 
@@ -24,7 +24,7 @@ def walked(points, inside_of):
     crossings = find_crossings(diagram)
     inside = vertices_inside(diagram, crossings)
     every = np.ones((len(mesh), len(EDGES)), bool)
-    faces = ordered(diagram, faces_of_any(diagram, every, crossings.faces))
+    faces = ordered_faces(diagram, every, crossings.faces)
     whole = edges_wholly_inside(diagram, crossings, inside)
     return diagram, crossings, inside, faces, parts_of_faces(diagram, crossings, inside, whole, faces)
 

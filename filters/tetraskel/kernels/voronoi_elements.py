@@ -14,7 +14,7 @@ from tetraskel.kernels.polygon_slabs import THIN
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, closed_rings, voronoi_faces
+from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, closed_faces
 from tetraskel.kernels.voronoi_lines import found_in, split_keys
 from tetraskel.kernels.voronoi_parts import parts_of_faces
 from tetraskel.kernels.voronoi_sides import parts_of_edges
@@ -63,13 +63,8 @@ def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> Voronoi
     crossed : (c,) int
         Keys of faces that are left out.
     """
-    between = wedges_between(whole)
-    faces = voronoi_faces(diagram, between)
-    if (diagram.signs == 0).any():  # flat simplices may lie around an edge twice
-        crossed = np.concatenate([crossed, voronoi_faces(diagram, ~between).keys])
-    if len(crossed):
-        faces = faces.some(np.flatnonzero(~found_in(faces.keys, crossed)))
-    return closed_rings(diagram, faces)
+    faces = closed_faces(diagram, wedges_between(whole))
+    return faces.some(np.flatnonzero(~found_in(faces.keys, crossed))) if len(crossed) else faces
 
 
 def wedges_between(flags: Bools) -> Bools:

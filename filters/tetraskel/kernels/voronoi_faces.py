@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import for_chunks
-from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
@@ -113,19 +112,76 @@ def facets_beside(wedges: Ints, n_simplices: int) -> Bools:
     return result.reshape(-1, 4)
 
 
-def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
-    """Faces around edges of tetrahedra, their rings as far as the wanted wedges go, not yet in order.
-
-    Strategy: every tetrahedron names its edges; sorting the names brings the rings together. Where edge and wedge fit
-    into one number, the numbers alone are sorted, which is several times faster than to find their order.
+def closed_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
+    """Faces all of whose wedges are wanted, and whose rings close, counter-clockwise, from the first tetrahedron.
 
     Parameters
     ----------
     wanted : (m, 6) bool
         Tetrahedra at their edges, in the order of EDGES.
     """
-    if diagram.stars is not None:
-        return _faces_compiled(diagram, wanted, np.empty(0, np.int64), False)
+    faces, ended, misled = _rings(diagram, wanted, np.empty(0, np.int64), every=True)
+    doubtful: Ints = np.flatnonzero(misled)
+    beside, starts = _beside(diagram, faces, doubtful)[1:]
+    gaps = np.concatenate([[0], np.cumsum((beside < 0).any(axis=1))])[starts]
+    ended[doubtful[gaps[1:] > gaps[:-1]]] = True
+    if ended.any():
+        kept = np.flatnonzero(~ended)
+        faces, misled = faces.some(kept), misled[kept]
+    return _relinked(diagram, faces, np.flatnonzero(misled))
+
+
+def ordered_faces(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
+    """Faces one of whose wedges is wanted, and those of some keys, ascending, with their rings counter-clockwise.
+
+    A ring begins with the first tetrahedron, one without an end behind its gap.
+    """
+    faces, ended, misled = _rings(diagram, wanted, also, every=False)
+    return _relinked(diagram, faces, np.flatnonzero(ended | misled))
+
+
+def _rings(diagram: VoronoiDiagram, wanted: Bools, also: Ints, every: bool) -> tuple[VoronoiFaces, Bools, Bools]:
+    """The faces with their rings followed ahead as far as they close; which have an end, and which are misled."""
+    if diagram.stars is None:
+        return _walked(diagram, _faces_of_all(diagram, wanted) if every else _faces_of_any(diagram, wanted, also))
+    given = (diagram.simplices, diagram.neighbors, diagram.signs, *diagram.stars, wanted)
+
+    def arguments_of(piece: slice) -> tuple:
+        first, last = np.searchsorted(also, np.array([piece.start, piece.stop]) << 32)
+        return (*given, also[first:last], every, piece.start, piece.stop)
+
+    found = gather_compiled("voronoi_loops.rings", arguments_of, len(diagram.coordinates))
+    keys, counts, wedges, ended, misled = found
+    return VoronoiFaces(keys, np.concatenate([[0], np.cumsum(counts)]), wedges), ended, misled
+
+
+def _faces_of_all(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
+    """Faces all of whose wedges are wanted; some of others too, which do not close without the rest."""
+    faces = _faces_as_far(diagram, wanted)
+    if (diagram.signs == 0).any():  # flat simplices may lie around an edge twice, and it close without them
+        faces = faces.some(np.flatnonzero(~found_in(faces.keys, _faces_as_far(diagram, ~wanted).keys)))
+    return faces
+
+
+def _faces_of_any(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
+    """Faces one of whose wedges is wanted, and those of some keys."""
+    x = diagram.simplices
+    keys = [edge_keys_of(x[wanted[:, s], i], x[wanted[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
+    asked = np.concatenate([*keys, also])
+    at_end = np.zeros(len(diagram.coordinates), bool)
+    for end in split_keys(asked):
+        at_end[end] = True
+    around = at_end[x]
+    faces = _faces_as_far(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
+    return faces.some(np.flatnonzero(found_in(faces.keys, asked)))
+
+
+def _faces_as_far(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
+    """Faces around edges of tetrahedra, their rings as far as the wanted wedges go, not yet in order.
+
+    Strategy: every tetrahedron names its edges; sorting the names brings the rings together. Where edge and wedge fit
+    into one number, the numbers alone are sorted, which is several times faster than to find their order.
+    """
     edge_bits = max(len(diagram.coordinates) - 1, 1).bit_length()
     wedge_bits = max(len(diagram.simplices), 1).bit_length() + WEDGE_BITS
     in_one = 2 * edge_bits + wedge_bits <= MOST_BITS
@@ -148,33 +204,6 @@ def voronoi_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     return VoronoiFaces(keys, np.append(begins, len(ranked)), ring)
 
 
-def faces_of_any(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
-    """The same with whole rings: all wedges at the edges of those wanted, and of edges by their keys, ascending."""
-    if diagram.stars is not None:
-        return _faces_compiled(diagram, wanted, also, True)
-    x = diagram.simplices
-    keys = [edge_keys_of(x[wanted[:, s], i], x[wanted[:, s], j]) for s, (i, j, _, _) in enumerate(EDGES)]
-    asked = np.concatenate([*keys, also])
-    at_end = np.zeros(len(diagram.coordinates), bool)
-    for end in split_keys(asked):
-        at_end[end] = True
-    around = at_end[x]
-    faces = voronoi_faces(diagram, np.stack([around[:, i] & around[:, j] for i, j, _, _ in EDGES], axis=1))
-    return faces.some(np.flatnonzero(found_in(faces.keys, asked)))
-
-
-def _faces_compiled(diagram: VoronoiDiagram, wanted: Bools, also: Ints, complete: bool) -> VoronoiFaces:
-    given = (diagram.simplices, diagram.signs, *(diagram.stars or ()), wanted)
-
-    def arguments_of(piece: slice) -> tuple:
-        first, last = np.searchsorted(also, np.array([piece.start, piece.stop]) << 32)
-        return (*given, also[first:last], complete, piece.start, piece.stop)
-
-    n = len(diagram.coordinates)
-    keys, counts, wedges = gather_compiled("voronoi_loops.edges_and_wedges", arguments_of, n)
-    return VoronoiFaces(keys, np.concatenate([[0], np.cumsum(counts)]), wedges)
-
-
 def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:
     """Names ascending, with their wedges, ascending among equal names; both are in the names if these have the bits."""
     if wedge_bits:
@@ -182,25 +211,6 @@ def _sorted(names: Ints, wedges: Ints, wedge_bits: int) -> tuple[Ints, Ints]:
         return names >> wedge_bits, names & ((1 << wedge_bits) - 1)
     order = np.lexsort([wedges, names])
     return names[order], wedges[order]
-
-
-def ordered(diagram: VoronoiDiagram, faces: VoronoiFaces) -> VoronoiFaces:
-    """The faces with their rings counter-clockwise, from the first tetrahedron; one without an end from its gap."""
-    walked, ended, misled = _walked(diagram, faces)
-    return _relinked(diagram, walked, np.flatnonzero(ended | misled))
-
-
-def closed_rings(diagram: VoronoiDiagram, faces: VoronoiFaces) -> VoronoiFaces:
-    """Those of the faces whose rings close, counter-clockwise, from the first tetrahedron."""
-    walked, ended, misled = _walked(diagram, faces)
-    doubtful = np.flatnonzero(misled)
-    beside, starts = _beside(diagram, walked, doubtful)[1:]
-    gaps = np.concatenate([[0], np.cumsum((beside < 0).any(axis=1))])[starts]
-    ended[doubtful[gaps[1:] > gaps[:-1]]] = True
-    if ended.any():
-        kept = np.flatnonzero(~ended)
-        walked, misled = walked.some(kept), misled[kept]
-    return _relinked(diagram, walked, np.flatnonzero(misled))
 
 
 def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces, Bools, Bools]:
@@ -215,11 +225,6 @@ def _walked(diagram: VoronoiDiagram, faces: VoronoiFaces) -> tuple[VoronoiFaces,
     misled : (q,) bool
         It does not close though every tetrahedron has one ahead: flat ones do not tell ahead from behind.
     """
-    if numba_is_used():
-        wedges, ended, misled = gather_compiled(
-            "voronoi_loops.follow", lambda piece: (diagram.neighbors, *faces.rings(piece)), len(faces.keys)
-        )
-        return VoronoiFaces(faces.keys, faces.starts, wedges), ended, misled
     counts = faces.counts
     wedges = faces.wedges.copy()
     ended, misled = np.zeros(len(counts), bool), np.zeros(len(counts), bool)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tetraskel.kernels.compilation import inlined
+from tetraskel.kernels.compilation import called, inlined
 from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, EDGES, WEDGE_BITS
 
 # the row of EDGES that two corners of a tetrahedron have
@@ -104,63 +104,6 @@ def ranked(groups, values, last, n_groups):
     return order
 
 
-def edges_and_wedges(simplices, signs, starts, cells, wanted, also, complete, first_point, last_point):
-    """See `voronoi_faces.voronoi_faces`, and, where complete, `voronoi_faces.faces_of_any`: edges from some points on.
-
-    Strategy: the simplices around a point name its edges to larger points; each new name gets a list, and only the few
-    names are sorted.
-
-    Returns
-    -------
-    keys, counts : (q,) int
-    wedges : (total,) int
-    """
-    most = 0
-    for point in range(first_point, last_point):
-        most = max(most, 3 * (starts[point + 1] - starts[point]))
-    n_wedges = 3 * (starts[last_point] - starts[first_point])
-    keys, begins, wedges = np.empty(n_wedges, np.int64), np.zeros(n_wedges + 1, np.int64), np.empty(n_wedges, np.int64)
-    number = np.full(len(starts) - 1, -1, np.int32)  # of an edge, by its other end; below `first` of another point's
-    others, ends = np.empty(most, np.int64), np.empty(most, np.int64)
-    listed, owner = np.empty(most, np.int64), np.empty(most, np.int64)
-    first, n_wedges, n_also = 0, 0, 0
-    for point in range(first_point, last_point):
-        n, n_edges = 0, 0
-        while n_also < len(also) and also[n_also] >> 32 == point:
-            other = also[n_also] & 0xFFFFFFFF
-            if number[other] < first:
-                n_edges = _add_edge(number, others, ends, first, n_edges, other)
-            n_also += 1
-        for place in range(starts[point], starts[point + 1] if complete else starts[point]):
-            cell, here = cells[place], _corner(simplices, cells[place], point)
-            for k in range(4):
-                other = simplices[cell, k]
-                if other > point and number[other] < first and wanted[cell, SLOTS[here, k]]:
-                    n_edges = _add_edge(number, others, ends, first, n_edges, other)
-        for place in range(starts[point], starts[point + 1]):
-            cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
-            for k in range(4):
-                other, slot = simplices[cell, k], SLOTS[here, k]
-                if other <= point or (number[other] < first if complete else not wanted[cell, slot]):
-                    continue
-                if number[other] < first:
-                    n_edges = _add_edge(number, others, ends, first, n_edges, other)
-                owner[n] = number[other] - first
-                listed[n] = (cell << WEDGE_BITS) | (2 * slot + ((here > k) != (signs[cell] < 0)))
-                ends[owner[n]] += 1
-                n += 1
-        _ranges_by(others, ends, n_edges, keys, begins, first, n_wedges, point)
-        for i in range(n):
-            wedges[n_wedges + ends[owner[i]]] = listed[i]
-            ends[owner[i]] += 1
-        first, n_wedges = first + n_edges, n_wedges + n
-    begins[first] = n_wedges
-    counts = np.empty(first, np.int64)
-    for edge in range(first):
-        counts[edge] = begins[edge + 1] - begins[edge]
-    return keys[:first], counts, wedges[:n_wedges]
-
-
 @inlined
 def _corner(simplices, cell, point):
     """Which corner of a tetrahedron a point is."""
@@ -171,27 +114,122 @@ def _corner(simplices, cell, point):
 
 
 @inlined
-def _add_edge(number, others, ends, first, n_edges, other):
-    """Number an edge by its other end; how many there are."""
-    number[other] = first + n_edges
-    others[n_edges], ends[n_edges] = other, 0
-    return n_edges + 1
+def _wedge(simplices, signs, cell, point, other):
+    """The wedge of a tetrahedron at the edge from a point to a larger one."""
+    i, j = _corner(simplices, cell, point), _corner(simplices, cell, other)
+    return (np.int64(cell) << WEDGE_BITS) | (2 * SLOTS[i, j] + ((i > j) != (signs[cell] < 0)))
 
 
-@inlined
-def _ranges_by(others, ends, n_edges, keys, begins, first, n_wedges, point):
-    """Edges of a point by their other ends: their keys, and where their lists begin, in place of their lengths."""
-    for i in range(n_edges):
-        j = first + i
-        while j > first and keys[j - 1] > others[i]:
-            keys[j], begins[j] = keys[j - 1], begins[j - 1]
+@called
+def _around_edge(mesh, star, point, other, count, ring, n):
+    """Write the wedges around an edge, each before the one ahead of it, if they close; whether they do."""
+    simplices, neighbors, signs = mesh
+    if count < 3:  # a flat one turned the wrong way, and two look at each other
+        return False
+    cell = star
+    for k in range(count):
+        ring[n + k] = _wedge(simplices, signs, cell, point, other)
+        cell = neighbors[cell, AHEAD[ring[n + k] & SLOT_BITS]]
+        if cell < 0 or (cell == star) != (k == count - 1):
+            return False
+    return True
+
+
+@called
+def _beside_edge(mesh, stars, point, other, ring, n):
+    """Write the wedges at an edge, ascending; whether one has none ahead."""
+    simplices, neighbors, signs = mesh
+    starts, cells = stars
+    last = n
+    for place in range(starts[point], starts[point + 1]):
+        cell = cells[place]
+        for k in range(4):
+            if simplices[cell, k] == other:
+                ring[last] = _wedge(simplices, signs, cell, point, other)
+                last += 1
+    for k in range(n, last):
+        ahead, there = neighbors[ring[k] >> WEDGE_BITS, AHEAD[ring[k] & SLOT_BITS]], False
+        for j in range(n, last):
+            there |= ring[j] >> WEDGE_BITS == ahead
+        if not there:
+            return True
+    return False
+
+
+@called
+def _edges_at(simplices, stars, point, wanted, number, first, edges):
+    """Write the edges from a point to larger ones: other end, tetrahedra, how many of these are wanted at it, and the
+    first of them; ascending. How many edges; `number` is theirs by other ends, below `first` of another point.
+    """
+    starts, cells = stars
+    n = 0
+    for place in range(starts[point], starts[point + 1]):
+        cell, here = cells[place], _corner(simplices, cells[place], point)
+        for k in range(4):
+            other = simplices[cell, k]
+            if other <= point:
+                continue
+            if number[other] < first:
+                number[other] = first + n
+                edges[n, 0], edges[n, 1], edges[n, 2], edges[n, 3] = other, 0, 0, cell
+                n += 1
+            edge = number[other] - first
+            edges[edge, 1] += 1
+            edges[edge, 2] += wanted[cell, SLOTS[here, k]]
+    for i in range(n):
+        other, count, chosen, cell, j = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3], i
+        while j > 0 and edges[j - 1, 0] > other:
+            for column in range(4):
+                edges[j, column] = edges[j - 1, column]
             j -= 1
-        keys[j], begins[j] = others[i], i
-    total = 0
-    for j in range(first, first + n_edges):
-        edge = begins[j]
-        keys[j], begins[j] = (np.int64(point) << 32) | keys[j], n_wedges + total
-        total, ends[edge] = total + ends[edge], total
+        edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3] = other, count, chosen, cell
+    return n
+
+
+def rings(simplices, neighbors, signs, starts, cells, wanted, also, every, first_point, last_point):
+    """Voronoi faces of some points' edges to larger ones; see `voronoi_faces.closed_faces` and `ordered_faces`.
+
+    Parameters
+    ----------
+    wanted : (m, 6) bool
+    also : (k,) int
+        Keys of edges, ascending.
+    every : bool
+        Faces are asked for all of whose wedges are wanted; else those with one, and those of the keys.
+
+    Returns
+    -------
+    keys, counts : (q,) int
+    wedges : (total,) int
+        In order where the ring closes, else ascending.
+    ended, misled : (q,) bool
+        As in `voronoi_faces._walked`.
+    """
+    mesh, stars, most = (simplices, neighbors, signs), (starts, cells), 0
+    for point in range(first_point, last_point):
+        most = max(most, 3 * (starts[point + 1] - starts[point]))
+    room = 3 * (starts[last_point] - starts[first_point])
+    keys, counts, ring = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room, np.int64)
+    ended, misled = np.zeros(room, np.bool_), np.zeros(room, np.bool_)
+    number, edges = np.full(len(starts) - 1, -1, np.int64), np.empty((most, 4), np.int64)
+    first, n_faces, n_wedges, n_also = 0, 0, 0, 0
+    for point in range(first_point, last_point):
+        n = _edges_at(simplices, stars, point, wanted, number, first, edges)
+        first += n
+        for i in range(n):
+            other, count = edges[i, 0], edges[i, 1]
+            key = (np.int64(point) << 32) | other
+            while n_also < len(also) and also[n_also] < key:
+                n_also += 1
+            chosen = edges[i, 2] == count if every else edges[i, 2] > 0 or (n_also < len(also) and also[n_also] == key)
+            if not chosen:
+                continue
+            if not _around_edge(mesh, edges[i, 3], point, other, count, ring, n_wedges):
+                ended[n_faces] = _beside_edge(mesh, stars, point, other, ring, n_wedges)
+                misled[n_faces] = not ended[n_faces]
+            keys[n_faces], counts[n_faces] = key, count
+            n_faces, n_wedges = n_faces + 1, n_wedges + count
+    return keys[:n_faces], counts[:n_faces], ring[:n_wedges], ended[:n_faces], misled[:n_faces]
 
 
 def facets_beside(wedges, n_simplices):
@@ -201,42 +239,6 @@ def facets_beside(wedges, n_simplices):
         cell, slot = wedges[i] >> WEDGE_BITS, wedges[i] & SLOT_BITS
         result[cell, AHEAD[slot]] = result[cell, BEHIND[slot]] = True
     return result
-
-
-@inlined
-def _place_in(wedges, first, last, cell):
-    """Where in a ring a tetrahedron is, -1 where it is not; the last place if there are two."""
-    for place in range(last - 1, first - 1, -1):
-        if wedges[place] >> WEDGE_BITS == cell:
-            return place
-    return np.int64(-1)
-
-
-def follow(neighbors, starts, wedges):
-    """See `voronoi_faces._walked`."""
-    n_faces = len(starts) - 1
-    result, ended, misled = wedges.copy(), np.zeros(n_faces, np.bool_), np.zeros(n_faces, np.bool_)
-    for face in range(n_faces):
-        first, last = starts[face], starts[face + 1]
-        for place in range(first, last):
-            cell, slot = wedges[place] >> WEDGE_BITS, wedges[place] & SLOT_BITS
-            if _place_in(wedges, first, last, neighbors[cell, AHEAD[slot]]) < 0:
-                ended[face] = True
-                break
-        if ended[face]:
-            continue
-        at, closes = first, last - first > 2
-        for step in range(first + 1, last + 1):
-            cell, slot = wedges[at] >> WEDGE_BITS, wedges[at] & SLOT_BITS
-            at = _place_in(wedges, first, last, neighbors[cell, AHEAD[slot]])
-            closes &= (at == first) == (step == last)
-            if step < last:
-                result[step] = wedges[at]
-        if not closes:
-            misled[face] = True
-            for place in range(first, last):
-                result[place] = wedges[place]
-    return result, ended, misled
 
 
 def first_of_each(names):

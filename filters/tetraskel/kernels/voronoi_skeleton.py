@@ -21,7 +21,7 @@ from tetraskel.kernels.mesh import Triangulation, expect_mesh
 from tetraskel.kernels.voronoi_crossings import Crossings, find_crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, voronoi_diagram, without_flat_rim
 from tetraskel.kernels.voronoi_elements import Elements, of_cells, whole_faces, with_pieces, with_polygons
-from tetraskel.kernels.voronoi_faces import EDGES, faces_of_any, ordered
+from tetraskel.kernels.voronoi_faces import EDGES, ordered_faces
 from tetraskel.kernels.voronoi_sides import edges_wholly_inside, vertices_inside
 from tetraskel.kernels.voronoi_simplification import VoronoiSkeleton, merged, simplified
 from tetraskel.options import VoronoiOptions
@@ -121,7 +121,7 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
         return with_pieces(diagram, vertices, crossings, inside, edges)
     tick(0.7)
     wanted = np.repeat(of_simplices[:, None], len(EDGES), axis=1)
-    faces = ordered(diagram, faces_of_any(diagram, wanted, crossings.faces))
+    faces = ordered_faces(diagram, wanted, crossings.faces)
     tick(0.8)
     return with_polygons(diagram, vertices, crossings, inside, edges, faces)
 
