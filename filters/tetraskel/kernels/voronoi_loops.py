@@ -106,60 +106,14 @@ def ranked(groups, values, last, n_groups):
 
 @inlined
 def _corner(simplices, cell, point):
-    """Which corner of a tetrahedron a point is."""
-    here = 0
-    while simplices[cell, here] != point:
-        here += 1
-    return here
-
-
-@inlined
-def _wedge(simplices, signs, cell, point, other):
-    """The wedge of a tetrahedron at the edge from a point to a larger one."""
-    i, j = _corner(simplices, cell, point), _corner(simplices, cell, other)
-    return (np.int64(cell) << WEDGE_BITS) | (2 * SLOTS[i, j] + ((i > j) != (signs[cell] < 0)))
-
-
-@called
-def _around_edge(mesh, star, point, other, count, ring, n):
-    """Write the wedges around an edge, each before the one ahead of it, if they close; whether they do."""
-    simplices, neighbors, signs = mesh
-    if count < 3:  # a flat one turned the wrong way, and two look at each other
-        return False
-    cell = star
-    for k in range(count):
-        ring[n + k] = _wedge(simplices, signs, cell, point, other)
-        cell = neighbors[cell, AHEAD[ring[n + k] & SLOT_BITS]]
-        if cell < 0 or (cell == star) != (k == count - 1):
-            return False
-    return True
-
-
-@called
-def _beside_edge(mesh, stars, point, other, ring, n):
-    """Write the wedges at an edge, ascending; whether one has none ahead."""
-    simplices, neighbors, signs = mesh
-    starts, cells = stars
-    last = n
-    for place in range(starts[point], starts[point + 1]):
-        cell = cells[place]
-        for k in range(4):
-            if simplices[cell, k] == other:
-                ring[last] = _wedge(simplices, signs, cell, point, other)
-                last += 1
-    for k in range(n, last):
-        ahead, there = neighbors[ring[k] >> WEDGE_BITS, AHEAD[ring[k] & SLOT_BITS]], False
-        for j in range(n, last):
-            there |= ring[j] >> WEDGE_BITS == ahead
-        if not there:
-            return True
-    return False
+    """Which corner of a tetrahedron a point is; without a branch, which no processor could foresee."""
+    return (simplices[cell, 1] == point) + 2 * (simplices[cell, 2] == point) + 3 * (simplices[cell, 3] == point)
 
 
 @called
 def _edges_at(simplices, stars, point, wanted, number, first, edges):
-    """Write the edges from a point to larger ones: other end, tetrahedra, how many of these are wanted at it, and the
-    first of them; ascending. How many edges; `number` is theirs by other ends, below `first` of another point.
+    """Write the edges from a point to larger ones, ascending: other end, tetrahedra, how many of these are wanted at it,
+    and where their wedges begin. How many edges; `number` is theirs by other ends, below `first` of another point.
     """
     starts, cells = stars
     n = 0
@@ -171,19 +125,71 @@ def _edges_at(simplices, stars, point, wanted, number, first, edges):
                 continue
             if number[other] < first:
                 number[other] = first + n
-                edges[n, 0], edges[n, 1], edges[n, 2], edges[n, 3] = other, 0, 0, cell
+                edges[n, 0], edges[n, 1], edges[n, 2] = other, 0, 0
                 n += 1
             edge = number[other] - first
             edges[edge, 1] += 1
             edges[edge, 2] += wanted[cell, SLOTS[here, k]]
     for i in range(n):
-        other, count, chosen, cell, j = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3], i
+        other, count, chosen, j = edges[i, 0], edges[i, 1], edges[i, 2], i
         while j > 0 and edges[j - 1, 0] > other:
-            for column in range(4):
+            for column in range(3):
                 edges[j, column] = edges[j - 1, column]
             j -= 1
-        edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3] = other, count, chosen, cell
+        edges[j, 0], edges[j, 1], edges[j, 2] = other, count, chosen
+    begin = 0
+    for i in range(n):
+        number[edges[i, 0]] = first + i
+        edges[i, 3], begin = begin, begin + edges[i, 1]
     return n
+
+
+@called
+def _wedges_at(mesh, stars, point, number, first, edges, wedges):
+    """Write the wedges at the edges of a point, edge by edge, and the tetrahedra ahead; `edges` tell where each ends."""
+    simplices, neighbors, signs = mesh
+    starts, cells = stars
+    for place in range(starts[point], starts[point + 1]):
+        cell, here = np.int64(cells[place]), _corner(simplices, cells[place], point)
+        for k in range(4):
+            other = simplices[cell, k]
+            if other <= point:
+                continue
+            edge = number[other] - first
+            turned = 2 * SLOTS[here, k] + ((here > k) != (signs[cell] < 0))
+            wedges[edges[edge, 3], 0], wedges[edges[edge, 3], 1] = (
+                (cell << WEDGE_BITS) | turned,
+                neighbors[cell, AHEAD[turned]],
+            )
+            edges[edge, 3] += 1
+
+
+@called
+def _place_in(wedges, first, last, cell):
+    """Where in a ring a tetrahedron is, -1 where it is not."""
+    for place in range(first, last):
+        if wedges[place, 0] >> WEDGE_BITS == cell:
+            return place
+    return -1
+
+
+@called
+def _follow(wedges, first, last, ring, n):
+    """Write the wedges of a ring, each before the one ahead of it, or as they are; whether it ends, and is misled."""
+    at, closes = first, last - first > 2  # a flat one turned the wrong way, and two look at each other
+    for k in range(last - first):
+        ring[n + k] = wedges[at, 0]
+        at = _place_in(wedges, first, last, wedges[at, 1])
+        if at < 0 or (at == first) != (k == last - first - 1):
+            closes = False
+            break
+    if closes:
+        return False, False
+    ended = False
+    for place in range(first, last):
+        ring[n + place - first] = wedges[place, 0]
+        ended |= _place_in(wedges, first, last, wedges[place, 1]) < 0
+    return ended, not ended
 
 
 def rings(simplices, neighbors, signs, starts, cells, wanted, also, every, first_point, last_point):
@@ -212,21 +218,21 @@ def rings(simplices, neighbors, signs, starts, cells, wanted, also, every, first
     keys, counts, ring = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room, np.int64)
     ended, misled = np.zeros(room, np.bool_), np.zeros(room, np.bool_)
     number, edges = np.full(len(starts) - 1, -1, np.int64), np.empty((most, 4), np.int64)
+    wedges = np.empty((most, 2), np.int64)
     first, n_faces, n_wedges, n_also = 0, 0, 0, 0
     for point in range(first_point, last_point):
         n = _edges_at(simplices, stars, point, wanted, number, first, edges)
+        _wedges_at(mesh, stars, point, number, first, edges, wedges)
         first += n
         for i in range(n):
-            other, count = edges[i, 0], edges[i, 1]
-            key = (np.int64(point) << 32) | other
+            key, count = (np.int64(point) << 32) | edges[i, 0], edges[i, 1]
             while n_also < len(also) and also[n_also] < key:
                 n_also += 1
             chosen = edges[i, 2] == count if every else edges[i, 2] > 0 or (n_also < len(also) and also[n_also] == key)
             if not chosen:
                 continue
-            if not _around_edge(mesh, edges[i, 3], point, other, count, ring, n_wedges):
-                ended[n_faces] = _beside_edge(mesh, stars, point, other, ring, n_wedges)
-                misled[n_faces] = not ended[n_faces]
+            last = edges[i, 3]
+            ended[n_faces], misled[n_faces] = _follow(wedges, last - count, last, ring, n_wedges)
             keys[n_faces], counts[n_faces] = key, count
             n_faces, n_wedges = n_faces + 1, n_wedges + count
     return keys[:n_faces], counts[:n_faces], ring[:n_wedges], ended[:n_faces], misled[:n_faces]
