@@ -25,6 +25,11 @@ def objects():
     surface = triangulate(SOLIDS["torus"]().sample(1500, rng))
     middles = surface.points[surface.simplices].mean(axis=1)
     yield "torus", surface, SOLIDS["torus"]().contains(middles)
+    angles = 2 * np.pi * rng.random(300)  # one face with hundreds of corners, and another half of which is inside
+    wheel = np.stack([np.cos(angles), np.sin(angles), 0.01 * rng.normal(size=300)], axis=1)
+    spindle = triangulate(np.concatenate([wheel, [[0, 0, 0.3], [0.01, 0, -0.3]]]))
+    yield "spindle", spindle, np.ones(len(spindle), bool)
+    yield "half a spindle", spindle, spindle.points[spindle.simplices].mean(axis=1)[:, 0] > 0
     square = triangulate(rng.random((1500, 2)))
     yield "square", square, np.ones(len(square), bool)
     yield "square by lot", square, rng.random(len(square)) < 0.5

@@ -12,6 +12,7 @@ from tetraskel.kernels.boundary_loops import with_room
 from tetraskel.kernels.compilation import called, inlined, inner
 from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, WEDGE_BITS
 
+FEW = 64  # ways of a face that are compared with one another
 BEGIN, END, NODE = 0, 1, 2  # columns of ways: what they begin and end at, and the node they begin with
 
 
@@ -90,6 +91,25 @@ def _follow(ways, n, after):
 
 
 @inner
+def _follow_many(ways, n, after):
+    """The same for many ways, which are found by their order."""
+    order = np.argsort(ways[:n, BEGIN])
+    for i in range(n):
+        after[i, 1] = 0
+        if i > 0 and ways[order[i], BEGIN] == ways[order[i - 1], BEGIN]:
+            return False
+    for i in range(n):
+        low, high = 0, n
+        while low < high:
+            middle = (low + high) // 2
+            low, high = (middle + 1, high) if ways[order[middle], BEGIN] < ways[i, END] else (low, middle)
+        if low == n or ways[order[low], BEGIN] != ways[i, END] or after[order[low], 1] != 0:
+            return False
+        after[i, 0], after[order[low], 1] = order[low], 1
+    return True
+
+
+@inner
 def _rounds(ways, n, n_own, after, first_row, polygons, n_polygons, nodes, n_nodes):
     """Write the ways around, those with a way along an own edge, as polygons; False if others are left."""
     begun, written = n_polygons, n_nodes
@@ -158,7 +178,7 @@ def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts
             ways[n, BEGIN], ways[n, END] = ends[i, 0], ends[i, 1]
             ways[n, NODE] = ends[i, 0] if ends[i, 0] >= 0 else n_nodes + i
             n += 1
-        sure = _follow(ways, n, after)
+        sure = _follow(ways, n, after) if n <= FEW else _follow_many(ways, n, after)
         if sure:
             sure, polygons, n_polygons, nodes, n_found = _rounds(
                 ways, n, n_own, after, first_row + face, polygons, n_polygons, nodes, n_found

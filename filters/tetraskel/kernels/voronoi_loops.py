@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from tetraskel.kernels.compilation import called, inlined
-from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, EDGES, WEDGE_BITS
+from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, EDGES, LONGEST_RING, WEDGE_BITS
 
 # the row of EDGES that two corners of a tetrahedron have
 SLOTS = np.array(
@@ -112,8 +112,8 @@ def _corner(simplices, cell, point):
 
 @called
 def _edges_at(simplices, stars, point, wanted, number, first, edges):
-    """Write the edges from a point to larger ones, ascending: other end, tetrahedra, how many of these are wanted at it,
-    and where their wedges begin. How many edges; `number` is theirs by other ends, below `first` of another point.
+    """Write the edges from a point to larger ones, ascending: other end, tetrahedra, how many of these are wanted, and
+    where their wedges begin. How many edges; `number` is theirs by other ends, below `first` of another point.
     """
     starts, cells = stars
     n = 0
@@ -146,7 +146,7 @@ def _edges_at(simplices, stars, point, wanted, number, first, edges):
 
 @called
 def _wedges_at(mesh, stars, point, number, first, edges, wedges):
-    """Write the wedges at the edges of a point, edge by edge, and the tetrahedra ahead; `edges` tell where each ends."""
+    """Write the wedges at a point's edges, edge by edge, and the tetrahedra ahead; `edges` tell where each ends."""
     simplices, neighbors, signs = mesh
     starts, cells = stars
     for place in range(starts[point], starts[point + 1]):
@@ -157,10 +157,8 @@ def _wedges_at(mesh, stars, point, number, first, edges, wedges):
                 continue
             edge = number[other] - first
             turned = 2 * SLOTS[here, k] + ((here > k) != (signs[cell] < 0))
-            wedges[edges[edge, 3], 0], wedges[edges[edge, 3], 1] = (
-                (cell << WEDGE_BITS) | turned,
-                neighbors[cell, AHEAD[turned]],
-            )
+            row = edges[edge, 3]
+            wedges[row, 0], wedges[row, 1] = (cell << WEDGE_BITS) | turned, neighbors[cell, AHEAD[turned]]
             edges[edge, 3] += 1
 
 
@@ -176,11 +174,12 @@ def _place_in(wedges, first, last, cell):
 @called
 def _follow(wedges, first, last, ring, n):
     """Write the wedges of a ring, each before the one ahead of it, or as they are; whether it ends, and is misled."""
-    at, closes = first, last - first > 2  # a flat one turned the wrong way, and two look at each other
-    for k in range(last - first):
+    count, at = last - first, first
+    closes = 2 < count <= LONGEST_RING  # a flat one turned the wrong way, and two look at each other
+    for k in range(count if closes else 0):
         ring[n + k] = wedges[at, 0]
         at = _place_in(wedges, first, last, wedges[at, 1])
-        if at < 0 or (at == first) != (k == last - first - 1):
+        if at < 0 or (at == first) != (k == count - 1):
             closes = False
             break
     if closes:
@@ -188,7 +187,7 @@ def _follow(wedges, first, last, ring, n):
     ended = False
     for place in range(first, last):
         ring[n + place - first] = wedges[place, 0]
-        ended |= _place_in(wedges, first, last, wedges[place, 1]) < 0
+        ended |= count <= LONGEST_RING and _place_in(wedges, first, last, wedges[place, 1]) < 0
     return ended, not ended
 
 
