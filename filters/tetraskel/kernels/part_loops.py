@@ -48,7 +48,7 @@ def _is_whole(whole, wedges):
 @called
 def _own_ways(mesh, known, parts, wedges, ways):
     """The ways along a face's own edges, where these are inside; how many, -1 where something is not known."""
-    neighbors, ends, edge_of_first_half, _ = mesh
+    neighbors, ends, edge_of_first_half, whole = mesh
     first_part, nodes = parts
     n, m = 0, len(neighbors)
     for turn in range(2):  # the rays that open faces come last
@@ -60,8 +60,12 @@ def _own_ways(mesh, known, parts, wedges, ways):
             edge = _edge_of(neighbors, edge_of_first_half, half)
             if not known[edge]:
                 return np.int64(-1)
-            first, last = first_part[edge], first_part[edge + 1]
             forward = (ends[edge, 0] == cell or ends[edge, 1] >= m) != (turn == 1)
+            if whole[cell, half & 3]:
+                ways[n, BEGIN], ways[n, END], ways[n, NODE] = cell, ends[edge, 1 if forward else 0], cell
+                n += 1
+                continue
+            first, last = first_part[edge], first_part[edge + 1]
             for k in range(last - first):
                 part = first + k if forward else last - 1 - k
                 ways[n, BEGIN], ways[n, END] = nodes[part, 0 if forward else 1], nodes[part, 1 if forward else 0]

@@ -113,7 +113,7 @@ def with_pieces(
     diagram: VoronoiDiagram, whole: Elements, crossings: Crossings, inside: Bools, whole_edges: Bools
 ) -> Elements:
     """The elements with the parts of Voronoi edges inside, in the plane; (f,) edges that are wholly inside."""
-    edges, nodes, _ = parts_of_edges(diagram, crossings, inside, whole_edges)
+    edges, nodes = parts_of_edges(diagram, crossings, inside, whole_edges)
     found, lines = _with_nodes(diagram, whole, crossings, nodes.ravel(), np.empty((0, 2)), np.empty(0, np.int64))
     return replace(found, lines=lines.reshape(-1, 2), edges=edges)
 

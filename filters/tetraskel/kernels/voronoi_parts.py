@@ -18,7 +18,7 @@ from tetraskel.kernels.loops_in_python import gather_compiled
 from tetraskel.kernels.voronoi_crossings import LOST, Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_faces import VoronoiFaces
-from tetraskel.kernels.voronoi_sides import parts_of_edges, plain_edges
+from tetraskel.kernels.voronoi_sides import parts_of_cut_edges, parts_of_edges, plain_edges
 
 Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
@@ -65,17 +65,18 @@ def parts_of_faces(
     """
     known = plain_edges(diagram, crossings, inside) | whole
     touching = crossings.touching[: len(diagram.simplices)]
-    edges, nodes = parts_of_edges(diagram, crossings, inside, whole)[:2]
-    first_part = np.concatenate([[0], np.cumsum(np.bincount(edges, minlength=len(diagram.ends)))])
     n_positions, n_nodes = len(diagram.positions), len(diagram.positions) + len(crossings.edges)
     ends = np.where(crossings.segments.ends >= 0, crossings.segments.ends + n_positions, crossings.segments.ends)
     ends[ends[:, 1] == LOST, 1] += 1  # nothing begins where it ends
     bounds = crossings.of_faces(faces.keys)
     of_faces = (crossings.by_face, ends, n_nodes)
-    if not numba_is_used():
+    compiled = numba_is_used()
+    edges, nodes = (parts_of_cut_edges if compiled else parts_of_edges)(diagram, crossings, inside, whole)
+    first_part = np.concatenate([[0], np.cumsum(np.bincount(edges, minlength=len(diagram.ends)))])
+    if not compiled:
         return _in_arrays(diagram, known, touching, (first_part, nodes), of_faces, faces, bounds)
     mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half, diagram.on_halves(whole))
-    given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=0)), of_faces)
+    given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=1)), of_faces)
     polygons, corners, unsure = gather_compiled(
         "part_loops.walked",
         lambda piece: (*given, piece.start, *faces.rings(piece), bounds[piece]),

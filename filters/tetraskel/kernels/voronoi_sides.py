@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.barycentric import barycentric_coordinates
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.pieces import label_pieces
-from tetraskel.kernels.voronoi_crossings import AT_END, Crossings, ranked
+from tetraskel.kernels.voronoi_crossings import AT_END, Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.walking import walk_to
 
@@ -166,12 +166,8 @@ def inside_at(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, edge
     return result
 
 
-def parts_of_edges(
-    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools
-) -> tuple[Ints, Ints, Floats]:
+def parts_of_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools) -> tuple[Ints, Ints]:
     """Parts of Voronoi edges inside the object, along each edge.
-
-    Between two crossings lies the object where the edge enters at the first and leaves at the second.
 
     Parameters
     ----------
@@ -183,23 +179,28 @@ def parts_of_edges(
     edges : (s,) int
     nodes : (s, 2) int
         What a part begins and ends with: a position of the diagram, or after all these a crossing.
-    places : (s, 2) float
-        The same as shares of the way along the edge.
     """
-    edges, ends, entering = crossings.edges, diagram.ends, crossings.entering
+    cut, nodes = parts_of_cut_edges(diagram, crossings, inside, whole)
+    uncut = np.flatnonzero(whole)
+    edges = np.concatenate([uncut, cut])
+    order = np.argsort(edges, kind="stable")
+    return edges[order], np.concatenate([diagram.ends[uncut], nodes])[order]
+
+
+def parts_of_cut_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools) -> tuple[Ints, Ints]:
+    """The same of the edges that are not whole alone.
+
+    Between two crossings lies the object where the edge enters at the first and leaves at the second.
+    """
+    edges, places, entering = crossings.edges, crossings.places, crossings.entering
     begins, finishes = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
-    cut = ~whole[edges]
-    of_whole = np.flatnonzero(whole)
-    from_first = np.flatnonzero(cut & begins & ~entering & inside[ends[edges, 0]])
-    to_last = np.flatnonzero(cut & finishes & entering & inside[ends[edges, 1]])
-    between = np.flatnonzero(cut[:-1] & entering[:-1] & ~entering[1:] & ~begins[1:])
-    found = np.concatenate([of_whole, edges[from_first], edges[to_last], edges[between]])
+    ends, cut = diagram.ends[edges], ~whole[edges]
+    from_first = np.flatnonzero(cut & begins & ~entering & inside[ends[:, 0]] & (places > 0))
+    to_last = np.flatnonzero(cut & finishes & entering & inside[ends[:, 1]] & (places < 1))
+    between = np.flatnonzero(cut[:-1] & entering[:-1] & ~entering[1:] & ~begins[1:] & (places[1:] > places[:-1]))
     node = len(diagram.positions) + np.arange(len(edges))
-    start = np.concatenate([ends[of_whole, 0], ends[edges[from_first], 0], node[to_last], node[between]])
-    stop = np.concatenate([ends[of_whole, 1], node[from_first], ends[edges[to_last], 1], node[between + 1]])
-    shares = np.concatenate([np.zeros(len(diagram.positions)), crossings.places])
-    first = shares[start]
-    last = np.where(stop < len(diagram.positions), 1.0, shares[stop])
-    order = ranked(found, first, np.zeros(len(found), bool), len(ends))
-    kept = order[(last > first)[order]]
-    return found[kept], np.stack([start[kept], stop[kept]], axis=1), np.stack([first[kept], last[kept]], axis=1)
+    start = np.concatenate([ends[from_first, 0], node[to_last], node[between]])
+    stop = np.concatenate([node[from_first], ends[to_last, 1], node[between + 1]])
+    at = np.concatenate([from_first, to_last, between])
+    order = np.argsort(at, kind="stable")
+    return edges[at[order]], np.stack([start[order], stop[order]], axis=1)
