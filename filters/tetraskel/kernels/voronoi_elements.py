@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.chunks import for_chunks
+from tetraskel.kernels.chunks import Tick, for_chunks
 from tetraskel.kernels.polygon_slabs import THIN
 from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings
@@ -53,7 +53,7 @@ class Elements:
     wedges: Ints | None = None
 
 
-def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> VoronoiFaces:
+def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints, tick: Tick) -> VoronoiFaces:
     """Ordered Voronoi faces that have all their edges.
 
     Parameters
@@ -63,7 +63,7 @@ def whole_faces(diagram: VoronoiDiagram, whole: Bools, crossed: Ints) -> Voronoi
     crossed : (c,) int
         Keys of faces that are left out.
     """
-    faces = closed_faces(diagram, wedges_between(whole))
+    faces = closed_faces(diagram, wedges_between(whole), tick)
     return faces.some(np.flatnonzero(~found_in(faces.keys, crossed))) if len(crossed) else faces
 
 
@@ -125,6 +125,7 @@ def with_polygons(
     inside: Bools,
     whole_edges: Bools,
     faces: VoronoiFaces,
+    tick: Tick,
 ) -> Elements:
     """The elements with the parts of Voronoi faces inside.
 
@@ -135,7 +136,7 @@ def with_polygons(
     faces : VoronoiFaces
         All that have such a part, ordered.
     """
-    parts, segments = parts_of_faces(diagram, crossings, inside, whole_edges, faces), crossings.segments
+    parts, segments = parts_of_faces(diagram, crossings, inside, whole_edges, faces, tick), crossings.segments
     rest, begins, corners = clipped_faces(diagram, crossings, inside, faces.some(parts.unsure))
     n_segments = len(diagram.positions) + len(crossings.edges)
     n_corners = n_segments + len(segments.faces)

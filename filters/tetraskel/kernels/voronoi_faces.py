@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetraskel.kernels.barycentric import dots
-from tetraskel.kernels.chunks import for_chunks
+from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
@@ -112,7 +112,7 @@ def facets_beside(wedges: Ints, n_simplices: int) -> Bools:
     return result.reshape(-1, 4)
 
 
-def closed_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
+def closed_faces(diagram: VoronoiDiagram, wanted: Bools, tick: Tick = silent) -> VoronoiFaces:
     """Faces all of whose wedges are wanted, and whose rings close, counter-clockwise, from the first tetrahedron.
 
     Parameters
@@ -120,7 +120,7 @@ def closed_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     wanted : (m, 6) bool
         Tetrahedra at their edges, in the order of EDGES.
     """
-    faces, ended, misled = _rings(diagram, wanted, np.empty(0, np.int64), every=True)
+    faces, ended, misled = _rings(diagram, wanted, np.empty(0, np.int64), tick, every=True)
     doubtful: Ints = np.flatnonzero(misled)
     beside, starts = _beside(diagram, faces, doubtful)[1:]
     gaps = np.concatenate([[0], np.cumsum((beside < 0).any(axis=1))])[starts]
@@ -131,16 +131,18 @@ def closed_faces(diagram: VoronoiDiagram, wanted: Bools) -> VoronoiFaces:
     return _relinked(diagram, faces, np.flatnonzero(misled))
 
 
-def ordered_faces(diagram: VoronoiDiagram, wanted: Bools, also: Ints) -> VoronoiFaces:
+def ordered_faces(diagram: VoronoiDiagram, wanted: Bools, also: Ints, tick: Tick = silent) -> VoronoiFaces:
     """Faces one of whose wedges is wanted, and those of some keys, ascending, with their rings counter-clockwise.
 
     A ring begins with the first tetrahedron, one without an end behind its gap.
     """
-    faces, ended, misled = _rings(diagram, wanted, also, every=False)
+    faces, ended, misled = _rings(diagram, wanted, also, tick, every=False)
     return _relinked(diagram, faces, np.flatnonzero(ended | misled))
 
 
-def _rings(diagram: VoronoiDiagram, wanted: Bools, also: Ints, every: bool) -> tuple[VoronoiFaces, Bools, Bools]:
+def _rings(
+    diagram: VoronoiDiagram, wanted: Bools, also: Ints, tick: Tick, every: bool
+) -> tuple[VoronoiFaces, Bools, Bools]:
     """The faces with their rings followed ahead as far as they close; which have an end, and which are misled."""
     if diagram.stars is None:
         return _walked(diagram, _faces_of_all(diagram, wanted) if every else _faces_of_any(diagram, wanted, also))
@@ -150,7 +152,7 @@ def _rings(diagram: VoronoiDiagram, wanted: Bools, also: Ints, every: bool) -> t
         first, last = np.searchsorted(also, np.array([piece.start, piece.stop]) << 32)
         return (*given, also[first:last], every, piece.start, piece.stop)
 
-    found = gather_compiled("voronoi_loops.rings", arguments_of, len(diagram.coordinates))
+    found = gather_compiled("voronoi_loops.rings", arguments_of, len(diagram.coordinates), tick)
     keys, counts, wedges, ended, misled = found
     return VoronoiFaces(keys, np.concatenate([[0], np.cumsum(counts)]), wedges), ended, misled
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.compilation import numba_is_used
 from tetraskel.kernels.loops_in_python import gather_compiled
 from tetraskel.kernels.voronoi_crossings import LOST, Crossings
@@ -54,7 +55,12 @@ class _Ways(NamedTuple):
 
 
 def parts_of_faces(
-    diagram: VoronoiDiagram, crossings: Crossings, inside: Bools, whole: Bools, faces: VoronoiFaces
+    diagram: VoronoiDiagram,
+    crossings: Crossings,
+    inside: Bools,
+    whole: Bools,
+    faces: VoronoiFaces,
+    tick: Tick = silent,
 ) -> Parts:
     """The parts of ordered faces that lie in the object.
 
@@ -81,6 +87,7 @@ def parts_of_faces(
         "part_loops.walked",
         lambda piece: (*given, piece.start, *faces.rings(piece), bounds[piece]),
         len(faces.keys),
+        tick,
     )
     return Parts(polygons[:, 0], polygons[:, 1], corners[:, 0], np.flatnonzero(unsure))
 

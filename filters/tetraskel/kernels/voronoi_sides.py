@@ -98,7 +98,8 @@ def plain_edges(diagram: VoronoiDiagram, crossings: Crossings, inside: Bools) ->
     first, last = np.diff(edges, prepend=-1) != 0, np.diff(edges, append=-1) != 0
     result[edges[first & (inside[diagram.ends[edges, 0]] == entering)]] = False
     result[edges[last & (inside[diagram.ends[edges, 1]] != entering)]] = False
-    result[crossings.touching[diagram.ends].any(axis=1)] = False
+    if crossings.touching.any():
+        result[crossings.touching[diagram.ends].any(axis=1)] = False
     return result
 
 
@@ -140,8 +141,9 @@ def edges_wholly_inside(diagram: VoronoiDiagram, crossings: Crossings, inside: B
     ends = diagram.ends
     whole = np.asarray(inside[ends[:, 0]] & inside[ends[:, 1]])
     whole[crossings.edges[~touching(diagram, crossings, inside)]] = False
-    asked = np.flatnonzero(whole & crossings.touching[ends].any(axis=1))
-    whole[asked] = locate(diagram, ends[asked, 0], diagram.positions[ends[asked]].mean(axis=1))
+    if crossings.touching.any():
+        asked = np.flatnonzero(whole & crossings.touching[ends].any(axis=1))
+        whole[asked] = locate(diagram, ends[asked, 0], diagram.positions[ends[asked]].mean(axis=1))
     return whole
 
 

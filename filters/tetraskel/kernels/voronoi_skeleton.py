@@ -101,14 +101,17 @@ def _sk1(diagram: VoronoiDiagram, tick: Tick) -> Elements:
 def _sk3(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     crossings, inside = _crossings_and_sides(diagram, tick)
     whole = edges_wholly_inside(diagram, crossings, inside)
-    faces = None if diagram.dim == 2 else whole_faces(diagram, diagram.on_halves(whole), crossings.faces)
+    faces = None
+    if diagram.dim == 3:
+        faces = whole_faces(diagram, diagram.on_halves(whole), crossings.faces, part(tick, 0.6, 0.8))
     return of_cells(diagram, np.flatnonzero(inside[: len(diagram.simplices)]), np.flatnonzero(whole), faces)
 
 
 def _sk4(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     labels = np.append(diagram.inside, False)
-    whole = labels[diagram.neighbors] & diagram.inside[:, None]
-    faces = None if diagram.dim == 2 else whole_faces(diagram, whole, np.empty(0, np.int64))
+    whole, faces = labels[diagram.neighbors] & diagram.inside[:, None], None
+    if diagram.dim == 3:
+        faces = whole_faces(diagram, whole, np.empty(0, np.int64), part(tick, 0.3, 0.8))
     return of_cells(diagram, np.flatnonzero(diagram.inside), np.flatnonzero(diagram.within), faces)
 
 
@@ -119,11 +122,9 @@ def _sk2(diagram: VoronoiDiagram, tick: Tick) -> Elements:
     edges = edges_wholly_inside(diagram, crossings, inside)
     if diagram.dim == 2:
         return with_pieces(diagram, vertices, crossings, inside, edges)
-    tick(0.7)
     wanted = np.repeat(of_simplices[:, None], len(EDGES), axis=1)
-    faces = ordered_faces(diagram, wanted, crossings.faces)
-    tick(0.8)
-    return with_polygons(diagram, vertices, crossings, inside, edges, faces)
+    faces = ordered_faces(diagram, wanted, crossings.faces, part(tick, 0.6, 0.7))
+    return with_polygons(diagram, vertices, crossings, inside, edges, faces, part(tick, 0.7, 0.8))
 
 
 METHODS: dict[str, Callable[[VoronoiDiagram, Tick], Elements]] = {"sk1": _sk1, "sk2": _sk2, "sk3": _sk3, "sk4": _sk4}
