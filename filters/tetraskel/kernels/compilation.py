@@ -25,8 +25,8 @@ CACHE = "NUMBA_CACHE_DIR"  # numba's own variable; respected
 KERNELS = Path(__file__).resolve().parent
 # modules that compiled loops of other modules take functions or constants from
 SHARED = (
-    *("compiled_heaps", "barycentric", "passage_widths", "polygon_slabs", "vector_loops"),
-    *("voronoi_clip", "voronoi_faces", "voronoi_lines", "voronoi_loops", "boundary_loops"),
+    *("compiled_heaps", "barycentric", "passage_widths", "vector_loops"),
+    *("voronoi_faces", "voronoi_lines", "voronoi_loops"),
 )
 
 logger = logging.getLogger("tetraskel")

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from tetraskel.kernels.boundary_loops import with_room
 from tetraskel.kernels.compilation import called, inlined, inner
 from tetraskel.kernels.voronoi_faces import AHEAD, BEHIND, WEDGE_BITS
 
 FEW = 64  # ways of a face that are compared with one another
 BEGIN, END, NODE = 0, 1, 2  # columns of ways: what they begin and end at, and the node they begin with
+POLYGONS, NODES = 0, 1  # what is counted
 
 
 @inlined
@@ -113,29 +113,32 @@ def _follow_many(ways, n, after):
     return True
 
 
-@inner
-def _rounds(ways, n, n_own, after, first_row, polygons, n_polygons, nodes, n_nodes):
-    """Write the ways around, those with a way along an own edge, as polygons; False if others are left."""
-    begun, written = n_polygons, n_nodes
-    polygons, nodes = with_room(polygons, n_polygons + n), with_room(nodes, n_nodes + n)
-    left = n
+@called
+def _write(used, polygons, row, count):
+    """Count a polygon whose corners are written already; those of less than three are none."""
+    if count >= 3:
+        polygons[used[POLYGONS], 0], polygons[used[POLYGONS], 1] = row, count
+        used[POLYGONS], used[NODES] = used[POLYGONS] + 1, used[NODES] + count
+
+
+@called
+def _rounds(ways, n, n_own, after, row, used, polygons, nodes):
+    """Write the ways around, those with a way along an own edge, as polygons; none, and False, if others are left."""
+    before, left = (used[POLYGONS], used[NODES]), n
     for head in range(n_own):
         if after[head, 1] == 2:
             continue
         i, count = head, 0
         while after[i, 1] != 2:
-            nodes[written + count, 0] = ways[i, NODE]
+            nodes[used[NODES] + count] = ways[i, NODE]
             after[i, 1] = 2
             i = after[i, 0]
             count += 1
         left -= count
-        if count >= 3:
-            polygons[begun, 0], polygons[begun, 1] = first_row, count
-            begun += 1
-            written += count
+        _write(used, polygons, row, count)
     if left:
-        return False, polygons, n_polygons, nodes, n_nodes
-    return True, polygons, begun, nodes, written
+        used[POLYGONS], used[NODES] = before
+    return left == 0
 
 
 def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts, wedges, bounds):
@@ -145,47 +148,38 @@ def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts
     -------
     polygons : (p, 2) int
         Row of the face, and how many corners.
-    nodes : (total, 1) int
+    nodes : (total,) int
     unsure : (q,) bool
         Faces of which it cannot be told.
     """
     n_faces, (by_face, ends, n_nodes) = len(starts) - 1, segments
-    unsure = np.zeros(n_faces, np.bool_)
-    polygons, n_polygons = np.empty((n_faces + 1, 2), np.int64), 0
-    nodes, n_found = np.empty((4 * n_faces + 64, 1), np.int64), 0
-    most = 0
+    most, total = 0, 0
     for face in range(n_faces):
-        most = max(most, (starts[face + 1] - starts[face] + 1) * most_parts + bounds[face, 1] - bounds[face, 0])
+        room = (starts[face + 1] - starts[face] + 1) * most_parts + bounds[face, 1] - bounds[face, 0]
+        most, total = max(most, room), total + room
     ways, after = np.empty((most, 3), np.int64), np.empty((most, 2), np.int64)
+    polygons, nodes, used = np.empty((total // 3, 2), np.int64), np.empty(total, np.int64), np.zeros(2, np.int64)
+    unsure = np.zeros(n_faces, np.bool_)
     for face in range(n_faces):
         own = wedges[starts[face] : starts[face + 1]]
-        unsure[face] = _only_touches(touching, own)
-        if unsure[face]:
+        if _only_touches(touching, own):
+            unsure[face] = True
             continue
-        if bounds[face, 0] == bounds[face, 1] and len(own) >= 3 and _is_whole(mesh[3], own):
-            if n_polygons == len(polygons):
-                polygons = with_room(polygons, n_polygons)
-            if n_found + len(own) > len(nodes):
-                nodes = with_room(nodes, n_found + len(own))
-            polygons[n_polygons, 0], polygons[n_polygons, 1] = first_row + face, len(own)
+        if bounds[face, 0] == bounds[face, 1] and _is_whole(mesh[3], own):
             for i in range(len(own)):
-                nodes[n_found + i, 0] = own[i] >> WEDGE_BITS
-            n_polygons, n_found = n_polygons + 1, n_found + len(own)
+                nodes[used[NODES] + i] = own[i] >> WEDGE_BITS
+            _write(used, polygons, first_row + face, len(own))
             continue
-        n = _own_ways(mesh, known, parts, own, ways)
-        n_own = n
-        unsure[face] = n < 0
-        if n < 0:
+        n_own = _own_ways(mesh, known, parts, own, ways)
+        if n_own < 0:
+            unsure[face] = True
             continue
+        n = n_own
         for place in range(bounds[face, 0], bounds[face, 1]):
             i = by_face[place]
             ways[n, BEGIN], ways[n, END] = ends[i, 0], ends[i, 1]
             ways[n, NODE] = ends[i, 0] if ends[i, 0] >= 0 else n_nodes + i
             n += 1
         sure = _follow(ways, n, after) if n <= FEW else _follow_many(ways, n, after)
-        if sure:
-            sure, polygons, n_polygons, nodes, n_found = _rounds(
-                ways, n, n_own, after, first_row + face, polygons, n_polygons, nodes, n_found
-            )
-        unsure[face] = not sure
-    return polygons[:n_polygons], nodes[:n_found], unsure
+        unsure[face] = not (sure and _rounds(ways, n, n_own, after, first_row + face, used, polygons, nodes))
+    return polygons[: used[POLYGONS]], nodes[: used[NODES]], unsure

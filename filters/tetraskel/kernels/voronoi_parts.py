@@ -89,7 +89,7 @@ def parts_of_faces(
         len(faces.keys),
         tick,
     )
-    return Parts(polygons[:, 0], polygons[:, 1], corners[:, 0], np.flatnonzero(unsure))
+    return Parts(polygons[:, 0], polygons[:, 1], corners, np.flatnonzero(unsure))
 
 
 def _in_arrays(
