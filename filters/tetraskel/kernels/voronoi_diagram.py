@@ -133,12 +133,15 @@ class VoronoiDiagram:
         beside = self.neighbors[cells] == others[:, None]
         return np.asarray(cells.astype(np.int64) * width + beside.argmax(axis=1))
 
-    def facet_points(self, edges: Ints) -> Ints:
-        """(k, d) generators around each of k edges, ascending."""
+    def facet_corners(self, edges: Ints) -> Ints:
+        """(k, d) generators around each of k edges."""
         width = self.dim + 1
         cells, opposite = np.divmod(self.halves[edges], width)
-        others = np.array([[i for i in range(width) if i != j] for j in range(width)])
-        return np.sort(self.simplices.ravel()[(cells * width)[:, None] + others[opposite]], axis=1)
+        return self.simplices.ravel()[(cells * width)[:, None] + _others(width)[opposite]]
+
+    def facet_points(self, edges: Ints) -> Ints:
+        """The same, ascending."""
+        return np.sort(self.facet_corners(edges), axis=1)
 
 
 def voronoi_diagram(mesh: Triangulation, inside: Bools, tick: Tick = silent) -> VoronoiDiagram:
@@ -234,10 +237,15 @@ def _ray_ends(
     return centres[cells] + normals * away[:, None]
 
 
+def _others(width: int) -> Ints:
+    """(width, width - 1) the corners of a simplex beside each."""
+    return np.array([[i for i in range(width) if i != j] for j in range(width)])
+
+
 def outward_normals(coordinates: Floats, simplices: Ints, cells: Ints, opposite: Ints) -> Floats:
     """(k, d) unit normals of facets, away from their simplices; zero where the facet has no area."""
     width = simplices.shape[1]
-    others = np.array([[i for i in range(width) if i != j] for j in range(width)])
+    others = _others(width)
     result = np.empty((len(cells), width - 1))
 
     def work(piece: slice) -> None:

@@ -44,7 +44,9 @@ def _near_the_points(diagram: VoronoiDiagram, spots: Floats) -> Bools:
         return np.empty(0, bool)
     room = AT_END * diagram.size
     low, high = diagram.coordinates.min(axis=0) - room, diagram.coordinates.max(axis=0) + room
-    return np.logical_and.reduce(list(((spots >= low) & (spots <= high)).T))
+    return np.logical_and.reduce(
+        [(column >= a) & (column <= b) for column, a, b in zip(spots.T, low, high, strict=True)]
+    )
 
 
 def _pieces(diagram: VoronoiDiagram, crossings: Crossings) -> Ints:

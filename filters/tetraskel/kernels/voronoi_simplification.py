@@ -150,8 +150,8 @@ def simplified(
         offsets, corners = np.concatenate([[0], np.cumsum(counts[polygons])]), corners[kept]
         wedges = None if wedges is None else wedges[kept]
     free: Ints = np.flatnonzero(~_bounding(diagram, given, offsets, corners, wedges))
-    widest = given.radius[given.lines[free]].max(axis=1, initial=0.0)
-    *of_lines, free = measured(diagram.facet_points(given.edges[free]), widest, free)
+    widest = np.maximum(*given.radius[given.lines[free].T])
+    *of_lines, free = measured(diagram.facet_corners(given.edges[free]), widest, free)
     lines = given.lines[free]
     covered = np.zeros(len(given.points), bool)
     covered[corners] = covered[lines] = True
