@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tetraskel.kernels.adjacency import scramble
 from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import Tick
-from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
+from tetraskel.kernels.loops_in_python import gather_compiled
 from tetraskel.kernels.voronoi_lines import (
     ON_BORDER,
     Intervals,
@@ -30,7 +30,7 @@ Ints = NDArray[np.integer]
 Bools = NDArray[np.bool_]
 
 
-TRIANGLES = 1 << 14  # at a time: those of a piece know the same neighbours
+FACETS = 1 << 14  # of the boundary at a time: those of a piece know the same neighbours
 
 
 class Met(NamedTuple):
@@ -134,7 +134,9 @@ def on_edges_compiled(around: tuple[Floats, Ints, Ints, Ints], keys: Ints) -> tu
     coordinates, *star = around
     in_space = np.column_stack([coordinates, np.zeros(len(coordinates))])
     ends = np.stack(split_keys(keys), axis=1)
-    found, places = call_compiled("boundary_loops.on_edges", (in_space, *star, ends))
+    found, places = gather_compiled(
+        "boundary_loops.on_edges", lambda piece: (in_space, *star, piece.start, ends[piece]), len(ends), chunk=FACETS
+    )
     order = np.lexsort([places[:, 0], found[:, 1], found[:, 0]])
     return found[order, 0], found[order, 1], places[order, 0]
 
@@ -151,7 +153,7 @@ def on_triangles_compiled(
         lambda piece: (*around, same, piece.start, facets[piece], outward[piece]),
         len(facets),
         tick,
-        TRIANGLES,
+        FACETS,
     )
     found = Met(met[:, :3], spots, outward[met[:, 3]], met[:, 4] != 0)
     counts = np.bincount(met[:, 3], minlength=len(facets))

@@ -191,7 +191,7 @@ def _with_more(known):
 @called
 def _along_edge(points, star, known, used, edge, ends, found, places):
     """Write where the cells along an edge meet; False where there is no room, with what is used not told."""
-    cell, goal = ends[edge, 0], ends[edge, 1]
+    cell, goal = ends
     line, n = (place_of(points, cell), between(points, cell, goal)), used[PLACES]
     while cell != goal:
         if n == len(found) or not _learn(star, known, used, cell):
@@ -206,8 +206,8 @@ def _along_edge(points, star, known, used, edge, ends, found, places):
     return True
 
 
-def on_edges(points, simplices, starts, cells, ends):
-    """See `boundary_division.on_edges`: edges, pairs of cells, and places, edge by edge.
+def on_edges(points, simplices, starts, cells, first, ends):
+    """See `boundary_division.on_edges`: edges, numbered from `first` on, pairs of cells, and places, edge by edge.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def on_edges(points, simplices, starts, cells, ends):
     found, places = np.empty((len(ends) + 64, 2), np.int64), np.empty((len(ends) + 64, 1))
     star, known, used = (simplices, starts, cells), _nothing_known(len(points)), np.zeros(3, np.int64)
     for edge in range(len(ends)):
-        while not _along_edge(points, star, known, used, edge, ends, found, places):
+        while not _along_edge(points, star, known, used, first + edge, (ends[edge, 0], ends[edge, 1]), found, places):
             known, found, places = _with_more(known), with_room(found, len(found)), with_room(places, len(places))
     return found[: used[PLACES]], places[: used[PLACES]]
 
