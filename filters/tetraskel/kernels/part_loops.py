@@ -155,7 +155,8 @@ def walked(mesh, known, touching, parts, most_parts, segments, first_row, starts
     n_faces, (by_face, ends, n_nodes) = len(starts) - 1, segments
     most, total = 0, 0
     for face in range(n_faces):
-        room = (starts[face + 1] - starts[face] + 1) * most_parts + bounds[face, 1] - bounds[face, 0]
+        # each wedge has an edge ahead, and where several fans of simplices lie at an edge, a ray behind
+        room = 2 * (starts[face + 1] - starts[face]) * most_parts + bounds[face, 1] - bounds[face, 0]
         most, total = max(most, room), total + room
     ways, after = np.empty((most, 3), np.int64), np.empty((most, 2), np.int64)
     polygons, nodes, used = np.empty((total // 3, 2), np.int64), np.empty(total, np.int64), np.zeros(2, np.int64)

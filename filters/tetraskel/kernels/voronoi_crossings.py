@@ -133,18 +133,19 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     length = np.einsum("ka,ka->k", way, way)
     places = np.einsum("ka,ka->k", positions - start, way) / np.where(length == 0, 1.0, length)
     entering = np.einsum("ka,ka->k", way, normals) < 0
-    order = ranked(edges, places, entering, len(diagram.ends))
+    spots = _spots(diagram, edges, places, positions)
+    order = ranked(spots, np.zeros(len(spots)), entering, len(spots))
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
-    entering, sure = entering[order], sure[order]
+    entering, sure, spot = entering[order], sure[order], spots[order]
     # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
-    step = np.diff(positions, axis=0)
-    away = np.sqrt(dots(step, step)) > SAME * diagram.size
     first = np.ones(len(edges), bool)
-    first[1:] = (edges[1:] != edges[:-1]) | (entering[1:] != entering[:-1]) | away
+    first[1:] = (spot[1:] != spot[:-1]) | (entering[1:] != entering[:-1])
     once = np.flatnonzero(first)
     sure = np.logical_or.reduceat(sure, once) if len(once) else sure
     chosen = _first_places(positions, once)
     places, positions = places[chosen], positions[chosen]
+    both = np.flatnonzero(np.diff(spot[once]) == 0)  # ways in and out at one spot have one place
+    places[both + 1] = places[both]
     touching = _touched(diagram, positions[(places <= AT_END) | (places >= 1 - AT_END) | ~sure])
     number = np.full(len(kept), LOST)
     number[np.flatnonzero(kept)[order]] = np.cumsum(first) - 1
@@ -155,6 +156,17 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     by_face = ranked(low, high.astype(float), np.zeros(len(low), bool), len(diagram.coordinates))
     segments = segments._replace(ends=ends)
     return Crossings(edges[once], places, positions, entering[once], sure, touching, segments, by_face)
+
+
+def _spots(diagram: VoronoiDiagram, edges: Ints, places: Floats, positions: Floats) -> Ints:
+    """A number for each place, ascending by edges and along these; the same where they differ by rounding."""
+    order = ranked(edges, places, np.zeros(len(edges), bool), len(diagram.ends))
+    step = np.diff(positions[order], axis=0)
+    apart = np.ones(len(edges), bool)
+    apart[1:] = (np.diff(edges[order]) != 0) | (np.sqrt(dots(step, step)) > SAME * diagram.size)
+    result = np.empty(len(edges), np.int64)
+    result[order] = np.cumsum(apart) - 1
+    return result
 
 
 def _first_places(positions: Floats, begins: Ints) -> Ints:

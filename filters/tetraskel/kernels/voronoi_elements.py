@@ -144,12 +144,12 @@ def with_polygons(
     nodes = np.concatenate([parts.nodes, n_corners + np.arange(len(corners))])
     face = np.concatenate([parts.faces, parts.unsure[rest]])
     face, starts, nodes = _by_face(face, np.concatenate([parts.counts, np.diff(begins)]), nodes)
-    starts, nodes = _without_straight(places, starts, nodes, (nodes >= n_segments) & (nodes < n_corners))
+    kept, starts, nodes = _without_straight(places, starts, nodes, (nodes >= n_segments) & (nodes < n_corners))
     owners = np.concatenate(
         [split_keys(segments.faces)[0], faces.generators[parts.unsure[rest], 0].repeat(np.diff(begins))]
     )
     found, connectivity = _with_nodes(diagram, whole, crossings, nodes, places[n_segments:], owners)
-    return replace(found, offsets=starts, connectivity=connectivity, keys=faces.keys[face], wedges=None)
+    return replace(found, offsets=starts, connectivity=connectivity, keys=faces.keys[face[kept]], wedges=None)
 
 
 def _by_face(face: Ints, counts: Ints, nodes: Ints) -> tuple[Ints, Ints, Ints]:
@@ -162,8 +162,10 @@ def _by_face(face: Ints, counts: Ints, nodes: Ints) -> tuple[Ints, Ints, Ints]:
     return face[order], starts, nodes
 
 
-def _without_straight(places: Floats, starts: Ints, nodes: Ints, asked: Bools) -> tuple[Ints, Ints]:
-    """Polygons without those of the nodes asked that lie straight between the ones before and after."""
+def _without_straight(places: Floats, starts: Ints, nodes: Ints, asked: Bools) -> tuple[Ints, Ints, Ints]:
+    """Polygons without those of the nodes asked that lie straight between the ones before and after, and which keep
+    three nodes or more. Of two in one place the second goes.
+    """
     rows = np.flatnonzero(asked)
     straight = np.zeros(len(nodes), bool)
     before, after = np.arange(-1, len(nodes) - 1), np.arange(1, len(nodes) + 1)
@@ -174,12 +176,14 @@ def _without_straight(places: Floats, starts: Ints, nodes: Ints, asked: Bools) -
         here = places[nodes[some]]
         back, ahead = here - places[nodes[before[some]]], places[nodes[after[some]]] - here
         turn = np.cross(back, ahead)
-        straight[some] = dots(turn, turn) <= THIN**2 * dots(back, back) * dots(ahead, ahead)
+        lengths = dots(ahead, ahead)
+        straight[some] = (lengths > 0) & (dots(turn, turn) <= THIN**2 * dots(back, back) * lengths)
 
     for_chunks(work, len(rows))
-    if not straight.any():
-        return starts, nodes
-    return np.concatenate([[0], np.cumsum(~straight)])[starts], nodes[~straight]
+    counts = np.diff(np.concatenate([[0], np.cumsum(~straight)])[starts])
+    kept = np.flatnonzero(counts >= 3)
+    straight |= np.repeat(counts < 3, np.diff(starts))
+    return kept, np.concatenate([[0], np.cumsum(counts[kept])]), nodes[~straight]
 
 
 def _with_nodes(

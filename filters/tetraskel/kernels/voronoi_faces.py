@@ -149,7 +149,7 @@ def _rings(
     given = (diagram.simplices, diagram.neighbors, diagram.signs, *diagram.stars, wanted)
 
     def arguments_of(piece: slice) -> tuple:
-        first, last = np.searchsorted(also, np.array([piece.start, piece.stop]) << 32)
+        first, last = np.searchsorted(also, np.array([piece.start, piece.stop], np.int64) << 32)
         return (*given, also[first:last], every, piece.start, piece.stop)
 
     found = gather_compiled("voronoi_loops.rings", arguments_of, len(diagram.coordinates), tick)
