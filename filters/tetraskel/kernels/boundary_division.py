@@ -22,6 +22,7 @@ from tetraskel.kernels.voronoi_lines import (
     Neighbours,
     edge_keys_of,
     nearest_on_lines,
+    ranges,
     split_keys,
 )
 
@@ -216,7 +217,7 @@ def _starts(facets: Ints, keys: Ints, lines: Ints, pairs: Ints) -> tuple[Ints, I
     edge = np.searchsorted(keys, sides)
     first, last = np.searchsorted(lines, edge.ravel()), np.searchsorted(lines, edge.ravel() + 1)
     counts = last - first
-    places = np.arange(counts.sum()) + np.repeat(first - (np.cumsum(counts) - counts), counts)
+    places = ranges(first, counts)
     triangles = np.repeat(np.repeat(np.arange(len(facets)), 3), counts)
     new = _not_yet(_job_keys(triangles, pairs[places]), np.empty(0, np.uint64))
     return triangles[new], pairs[places][new]

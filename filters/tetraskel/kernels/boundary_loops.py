@@ -12,7 +12,6 @@ import numpy as np
 from tetraskel.kernels.compilation import called, inlined, inner
 from tetraskel.kernels.vector_loops import between, cross, dot, minus, place_of
 from tetraskel.kernels.voronoi_lines import ON_BORDER
-from tetraskel.kernels.voronoi_loops import turn
 
 EPSILON = np.finfo(np.float64).eps
 NONE = np.int64(-1)
@@ -24,6 +23,12 @@ ROUNDING = 1e-12  # relative, of a sum of products: well above what is lost
 @inlined
 def _along(origin, way, place):
     return origin[0] + place * way[0], origin[1] + place * way[1], origin[2] + place * way[2]
+
+
+@inlined
+def _turn(n_points, point, other):
+    """How far it is from a point to another, upwards and on from the first."""
+    return other - point if other > point else other - point + n_points
 
 
 @called
@@ -46,7 +51,7 @@ def _learn(star, known, used, cell):
             if other != cell and seen[other] != cell:
                 seen[other] = cell
                 j = size
-                while j > begins[cell, 0] and turn(n_points, cell, targets[j - 1]) > turn(n_points, cell, other):
+                while j > begins[cell, 0] and _turn(n_points, cell, targets[j - 1]) > _turn(n_points, cell, other):
                     targets[j] = targets[j - 1]
                     j -= 1
                 targets[j] = other
@@ -137,7 +142,7 @@ def _joined(known, one, other):
     least, most, n_points = begins[one, 0], begins[one, 1], len(begins)
     while least < most:
         middle = (least + most) // 2
-        if turn(n_points, one, targets[middle]) < turn(n_points, one, other):
+        if _turn(n_points, one, targets[middle]) < _turn(n_points, one, other):
             least = middle + 1
         else:
             most = middle
@@ -167,11 +172,9 @@ def _nothing_known(n_points):
 
 
 @inner
-def with_room(values, size):
-    """The rows, perhaps in a larger array, which has more than `size` of them."""
-    if size < len(values):
-        return values
-    larger = np.empty((2 * size + 1, values.shape[1]), values.dtype)
+def _doubled(values):
+    """The rows in an array with room for twice as many."""
+    larger = np.empty((2 * len(values), values.shape[1]), values.dtype)
     for i in range(len(values)):
         for k in range(values.shape[1]):
             larger[i, k] = values[i, k]
@@ -218,7 +221,7 @@ def on_edges(points, simplices, starts, cells, first, ends):
     star, known, used = (simplices, starts, cells), _nothing_known(len(points)), np.zeros(3, np.int64)
     for edge in range(len(ends)):
         while not _along_edge(points, star, known, used, first + edge, (ends[edge, 0], ends[edge, 1]), found, places):
-            known, found, places = _with_more(known), with_room(found, len(found)), with_room(places, len(places))
+            known, found, places = _with_more(known), _doubled(found), _doubled(places)
     return found[: used[PLACES]], places[: used[PLACES]]
 
 
@@ -338,8 +341,8 @@ def on_triangles(points, simplices, starts, cells, same, first, facets, outward)
         normal, number = place_of(outward, facet), first + facet
         room = (owners, places, keys, segments, jobs)
         while not _on_triangle(points, star, known, used, triangle, normal, number, same, room):
-            owners, places = with_room(owners, len(owners)), with_room(places, len(places))
-            keys, segments = with_room(keys, len(keys)), with_room(segments, len(segments))
-            known, jobs = _with_more(known), with_room(jobs, len(jobs))
+            owners, places = _doubled(owners), _doubled(places)
+            keys, segments = _doubled(keys), _doubled(segments)
+            known, jobs = _with_more(known), _doubled(jobs)
             room = (owners, places, keys, segments, jobs)
     return owners[: used[PLACES]], places[: used[PLACES]], keys[: used[SEGMENTS]], segments[: used[SEGMENTS]]

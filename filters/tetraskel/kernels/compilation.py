@@ -26,7 +26,7 @@ KERNELS = Path(__file__).resolve().parent
 # modules that compiled loops of other modules take functions or constants from
 SHARED = (
     *("compiled_heaps", "barycentric", "passage_widths", "vector_loops"),
-    *("voronoi_faces", "voronoi_lines", "voronoi_loops"),
+    *("voronoi_faces", "voronoi_lines"),
 )
 
 logger = logging.getLogger("tetraskel")

@@ -164,10 +164,8 @@ def _boundary_walls(
     """Polygon, ends and kind of the boundary's segments on the faces."""
     if len(faces.keys) == 0:
         return np.empty(0, np.int64), np.empty((0, 2, 2)), np.empty(0, np.int64)
-    segments, bounds = crossings.segments, crossings.of_faces(faces.keys)
-    counts = bounds[:, 1] - bounds[:, 0]
-    face = np.repeat(np.arange(len(counts)), counts)
-    rows = crossings.by_face[np.arange(len(face)) + np.repeat(bounds[:, 0] - (np.cumsum(counts) - counts), counts)]
+    segments = crossings.segments
+    face, rows = crossings.segments_of(crossings.of_faces(faces.keys))
     ends = _in_plane(segments.places[rows], origins[face], axes[face])
     up = dots(segments.outward[rows], axes[face, 1])
     return face, ends, np.where(up < 0, ENTER, LEAVE)

@@ -22,7 +22,15 @@ from tetraskel.kernels.boundary_division import (
 from tetraskel.kernels.chunks import Tick, silent
 from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram, outward_normals
-from tetraskel.kernels.voronoi_lines import Neighbours, edge_keys_of, found_in, grid_keys, split_keys, unique_edges
+from tetraskel.kernels.voronoi_lines import (
+    Neighbours,
+    edge_keys_of,
+    found_in,
+    grid_keys,
+    ranges,
+    split_keys,
+    unique_edges,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -79,6 +87,11 @@ class Crossings:
         """(q, 2) where in `by_face` the segments of faces begin and end."""
         return np.stack([np.searchsorted(self.faces, keys, side) for side in ("left", "right")], axis=1)
 
+    def segments_of(self, bounds: Ints) -> tuple[Ints, Ints]:
+        """Row of the face of each of their segments, and the segments, of what `of_faces` found."""
+        counts = bounds[:, 1] - bounds[:, 0]
+        return np.repeat(np.arange(len(counts)), counts), self.by_face[ranges(bounds[:, 0], counts)]
+
 
 def find_crossings(diagram: VoronoiDiagram, tick: Tick = silent) -> Crossings:
     """Every place where the diagram crosses the object's boundary, in the plane and in space."""
@@ -134,7 +147,7 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     places = np.einsum("ka,ka->k", positions - start, way) / np.where(length == 0, 1.0, length)
     entering = np.einsum("ka,ka->k", way, normals) < 0
     spots = _spots(diagram, edges, places, positions)
-    order = ranked(spots, np.zeros(len(spots)), entering, len(spots))
+    order = _ranked(spots, np.zeros(len(spots)), entering, len(spots))
     edges, places, positions = edges[order], np.clip(places[order], 0.0, 1.0), positions[order]
     entering, sure, spot = entering[order], sure[order], spots[order]
     # each of the cells that meet there has found the place, and where it is on a border, on both sides of that
@@ -153,14 +166,14 @@ def _sorted(diagram: VoronoiDiagram, met: Met, segments: Segments) -> Crossings:
     rows = ends >= 0
     ends[rows] = number[ends[rows]]
     low, high = split_keys(segments.faces)
-    by_face = ranked(low, high.astype(float), np.zeros(len(low), bool), len(diagram.coordinates))
+    by_face = _ranked(low, high.astype(float), np.zeros(len(low), bool), len(diagram.coordinates))
     segments = segments._replace(ends=ends)
     return Crossings(edges[once], places, positions, entering[once], sure, touching, segments, by_face)
 
 
 def _spots(diagram: VoronoiDiagram, edges: Ints, places: Floats, positions: Floats) -> Ints:
     """A number for each place, ascending by edges and along these; the same where they differ by rounding."""
-    order = ranked(edges, places, np.zeros(len(edges), bool), len(diagram.ends))
+    order = _ranked(edges, places, np.zeros(len(edges), bool), len(diagram.ends))
     step = np.diff(positions[order], axis=0)
     apart = np.ones(len(edges), bool)
     apart[1:] = (np.diff(edges[order]) != 0) | (np.sqrt(dots(step, step)) > SAME * diagram.size)
@@ -174,9 +187,7 @@ def _first_places(positions: Floats, begins: Ints) -> Ints:
     counts = np.diff(np.append(begins, len(positions)))
     result, several = begins.copy(), np.flatnonzero(counts > 1)
     run = np.repeat(several, counts[several])
-    rows = np.arange(len(run)) + np.repeat(
-        begins[several] - (np.cumsum(counts[several]) - counts[several]), counts[several]
-    )
+    rows = ranges(begins[several], counts[several])
     order = np.lexsort([*positions[rows].T[::-1], run])
     ahead = order[np.diff(run[order], prepend=-1) != 0]
     result[run[ahead]] = rows[ahead]
@@ -196,7 +207,7 @@ def _touched(diagram: VoronoiDiagram, touched: Floats) -> Bools:
     return result
 
 
-def ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
+def _ranked(edges: Ints, places: Floats, entering: Bools, n_edges: int) -> Ints:
     """Order by edge, then place, then direction."""
     found = call_compiled("voronoi_loops.ranked", (edges, places, entering, n_edges))
     return np.asarray(np.lexsort([entering, places, edges]) if found is None else found)

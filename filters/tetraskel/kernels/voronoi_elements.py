@@ -15,7 +15,7 @@ from tetraskel.kernels.voronoi_clip import clipped_faces
 from tetraskel.kernels.voronoi_crossings import Crossings
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_faces import EDGES, VoronoiFaces, closed_faces
-from tetraskel.kernels.voronoi_lines import found_in, split_keys
+from tetraskel.kernels.voronoi_lines import found_in, ranges, split_keys
 from tetraskel.kernels.voronoi_parts import parts_of_faces
 from tetraskel.kernels.voronoi_sides import parts_of_edges
 
@@ -157,8 +157,7 @@ def _by_face(face: Ints, counts: Ints, nodes: Ints) -> tuple[Ints, Ints, Ints]:
     order = np.argsort(face, kind="stable")
     starts = np.concatenate([[0], np.cumsum(counts[order])])
     if (np.diff(face) < 0).any():
-        before = (np.cumsum(counts) - counts)[order]
-        nodes = nodes[np.arange(len(nodes)) + np.repeat(before - starts[:-1], counts[order])]
+        nodes = nodes[ranges((np.cumsum(counts) - counts)[order], counts[order])]
     return face[order], starts, nodes
 
 

@@ -12,7 +12,7 @@ from tetraskel.kernels.barycentric import dots
 from tetraskel.kernels.chunks import Tick, for_chunks, silent
 from tetraskel.kernels.loops_in_python import call_compiled, gather_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
-from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, split_keys
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, ranges, split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -85,7 +85,7 @@ class VoronoiFaces:
         """Places in the rings of some faces, face after face, and where each begins."""
         counts = self.counts[faces]
         starts = np.concatenate([[0], np.cumsum(counts)])
-        return np.arange(starts[-1]) + np.repeat(self.starts[faces] - starts[:-1], counts), starts
+        return ranges(self.starts[faces], counts), starts
 
     def rings(self, piece: slice) -> tuple[Ints, Ints]:
         """Starts and wedges of consecutive faces alone."""

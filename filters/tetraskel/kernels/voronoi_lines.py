@@ -64,7 +64,7 @@ class Neighbours:
             asked[generators] = True
             return np.flatnonzero(np.logical_or.reduce([asked[column] for column in self._simplices.T]))
         cells, starts = self._around
-        return _once(cells[_ranges(starts[generators], starts[generators + 1] - starts[generators])])
+        return _once(cells[ranges(starts[generators], starts[generators + 1] - starts[generators])])
 
     def _extend(self, cells: Ints) -> None:
         """Find the neighbours of all corners of some simplices."""
@@ -98,7 +98,7 @@ class Neighbours:
     def of(self, generators: Ints) -> tuple[Ints, Ints]:
         """Rows of the neighbours of each generator in `targets`, one after another, and how many each has."""
         counts = self._count[generators]
-        return _ranges(self._first[generators], counts), counts
+        return ranges(self._first[generators], counts), counts
 
     def prepare(self, generators: Ints) -> None:
         """Make sure that the neighbours of these generators are known."""
@@ -121,7 +121,7 @@ def _directed(source: Ints, target: Ints) -> NDArray[np.int64]:
     return (source << 33) | ((target < source).astype(np.int64) << 32) | target
 
 
-def _ranges(starts: Ints, counts: Ints) -> Ints:
+def ranges(starts: Ints, counts: Ints) -> Ints:
     """The numbers of ranges, one range after another."""
     return np.arange(counts.sum()) + np.repeat(starts - (np.cumsum(counts) - counts), counts)
 

@@ -1,6 +1,6 @@
 """What lies around points and edges of a Voronoi diagram, one after another, for numba to compile.
 
-The same as array operations is in `voronoi_faces`, `voronoi_lines`, `voronoi_crossings` and `voronoi_simplification`,
+The same as array operations is in `voronoi_faces`, `voronoi_sides`, `voronoi_crossings` and `voronoi_simplification`,
 for the plane and for where there is no numba: those sort the whole, these one list per point, and the results are
 equal. Imported only where numba is.
 """
@@ -37,12 +37,6 @@ def stars(simplices, n_points):
             cells[starts[corner]] = i
             starts[corner] += 1
     return starts[: n_points + 1], cells
-
-
-@inlined
-def turn(n_points, point, other):
-    """How far it is from a point to another, upwards and on from the first."""
-    return other - point if other > point else other - point + n_points
 
 
 def pieces(neighbors, joined):

@@ -75,12 +75,13 @@ def parts_of_faces(
     ends = np.where(crossings.segments.ends >= 0, crossings.segments.ends + n_positions, crossings.segments.ends)
     ends[ends[:, 1] == LOST, 1] += 1  # nothing begins where it ends
     bounds = crossings.of_faces(faces.keys)
-    of_faces = (crossings.by_face, ends, n_nodes)
     compiled = numba_is_used()
     edges, nodes = (parts_of_cut_edges if compiled else parts_of_edges)(diagram, crossings, inside, whole)
     first_part = np.concatenate([[0], np.cumsum(np.bincount(edges, minlength=len(diagram.ends)))])
     if not compiled:
-        return _in_arrays(diagram, known, touching, (first_part, nodes), of_faces, faces, bounds)
+        segments = (crossings.segments_of(bounds), ends, n_nodes)
+        return _in_arrays(diagram, known, touching, (first_part, nodes), segments, faces)
+    of_faces = (crossings.by_face, ends, n_nodes)
     mesh = (diagram.neighbors, diagram.ends, diagram.edge_of_first_half, diagram.on_halves(whole))
     given = (mesh, known, touching, (first_part, nodes), int(np.diff(first_part).max(initial=1)), of_faces)
     polygons, corners, unsure = gather_compiled(
@@ -97,17 +98,14 @@ def _in_arrays(
     known: Bools,
     touching: Bools,
     parts: tuple[Ints, Ints],
-    segments: tuple[Ints, Ints, int],
+    segments: tuple[tuple[Ints, Ints], Ints, int],
     faces: VoronoiFaces,
-    bounds: Ints,
 ) -> Parts:
     """The same as array operations: all faces go a step at a time."""
     own, unsure = _own_ways(diagram, known, touching, parts, faces)
-    counts = bounds[:, 1] - bounds[:, 0]
-    by_face, ends, n_nodes = segments
-    rows = by_face[np.arange(counts.sum()) + np.repeat(bounds[:, 0] - (np.cumsum(counts) - counts), counts)]
+    (face, rows), ends, n_nodes = segments
     begin, end = ends[rows].T
-    crossing = _Ways(np.repeat(np.arange(len(counts)), counts), begin, end, np.where(begin >= 0, begin, n_nodes + rows))
+    crossing = _Ways(face, begin, end, np.where(begin >= 0, begin, n_nodes + rows))
     ways = _Ways(*(np.concatenate(column) for column in zip(own, crossing, strict=True)))
     is_own = np.arange(len(ways.face)) < len(own.face)
     order: Ints = np.flatnonzero(~unsure[ways.face])

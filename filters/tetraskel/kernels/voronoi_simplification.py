@@ -11,7 +11,7 @@ from tetraskel.kernels.loops_in_python import call_compiled
 from tetraskel.kernels.voronoi_diagram import VoronoiDiagram
 from tetraskel.kernels.voronoi_elements import Elements, separations
 from tetraskel.kernels.voronoi_faces import facets_beside
-from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, grid_keys, split_keys
+from tetraskel.kernels.voronoi_lines import edge_keys_of, found_in, grid_keys, ranges, split_keys
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -113,7 +113,7 @@ def _without_repeats(offsets: Ints, corners: Ints, changed: Bools) -> tuple[Ints
     counts = np.diff(offsets)
     some = np.unique(np.searchsorted(offsets, np.flatnonzero(changed), "right") - 1)
     begins = np.cumsum(counts[some]) - counts[some]
-    rows = np.arange(counts[some].sum()) + np.repeat(offsets[some] - begins, counts[some])
+    rows = ranges(offsets[some], counts[some])
     before = rows - 1
     before[begins] = offsets[some + 1] - 1
     repeated = corners[rows] == corners[before]
